@@ -1,0 +1,65 @@
+"""Motion capture assisted animation on UsdSkel.
+
+The public functions are loaded when they are first used, so that importing this package, and the commands' ``--help``,
+stay quick; importing it does register the schemas as soon as ``pxr`` is loaded through it.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mtex_usd.api import (
+        FailedFile,
+        ImportResult,
+        PathVariant,
+        Result,
+        import_takes,
+        process,
+        read_clip,
+        write_clip,
+    )
+    from mtex_usd.errors import InputError, MtexError, NoSolutionError, ResultError, StageError
+    from mtex_usd.motion.clip import Clip
+    from mtex_usd.motion.skeleton import Skeleton
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "Clip",
+    "FailedFile",
+    "ImportResult",
+    "InputError",
+    "MtexError",
+    "NoSolutionError",
+    "PathVariant",
+    "Result",
+    "ResultError",
+    "Skeleton",
+    "StageError",
+    "import_takes",
+    "process",
+    "read_clip",
+    "write_clip",
+]
+
+_HOMES = {
+    **dict.fromkeys(
+        ("FailedFile", "ImportResult", "PathVariant", "Result", "import_takes", "process", "read_clip", "write_clip"),
+        "mtex_usd.api",
+    ),
+    **dict.fromkeys(("InputError", "MtexError", "NoSolutionError", "ResultError", "StageError"), "mtex_usd.errors"),
+    "Clip": "mtex_usd.motion.clip",
+    "Skeleton": "mtex_usd.motion.skeleton",
+}
+
+
+def __getattr__(name: str) -> object:
+    """Load a public name from the module it lives in."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    """List the public names without loading them."""
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,1 @@
+"""What people type. Each module is one installed command."""

@@ -1,0 +1,148 @@
+"""``usdmtex``: texture and synthesize the sketches of a shot into an override layer."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mtex_usd.cli._progress import show_progress
+from mtex_usd.cli._run import run_command
+
+if TYPE_CHECKING:
+    from mtex_usd.api import Result
+
+__all__ = ["main"]
+
+_NAME = "usdmtex"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command.
+
+    Parameters
+    ----------
+    argv
+        Arguments without the command's name; those of the process where None.
+
+    Returns
+    -------
+    int
+        The exit code: 0 done, 2 usage or input, 3 the stage, 5 the written result did not validate, 70 a bug.
+    """
+    arguments = _build_parser().parse_args(argv)
+    return run_command(_NAME, lambda: _process(arguments))
+
+
+class _PrintPluginPath(argparse.Action):
+    """Print where the USD plugin is, and end; needs no stage."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print the path; ends the process."""
+        from mtex_usd.plugin_path import plugin_path  # noqa: PLC0415
+
+        print(plugin_path())
+        parser.exit()
+
+
+def _positive(text: str) -> int:
+    number = int(text)
+    if number < 1:
+        raise ValueError(text)
+    return number
+
+
+def _build_parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=_NAME,
+        description="Read the recipe that a shot's sketches carry (MtexSketchAPI), find matching motion in recorded "
+        "takes, and write an override layer with one variant per candidate path. Nothing that exists is changed.",
+        epilog="Exit codes: 0 done; 2 bad usage or input; 3 the stage: no recipe, no animation, blocked by a stronger "
+        "opinion; 5 the written result did not validate; 70 a bug.",
+    )
+    parser.add_argument("stage", type=Path, metavar="STAGE", help="the shot, or the .stage.usda of an earlier run")
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="LAYER",
+        help="override layer to write (default: STAGE's name with .mtex.usd)",
+    )
+    _add_recipe_options(parser)
+    parser.add_argument(
+        "--select",
+        metavar="VARIANT",
+        help="variant to select, such as path_02 or original (default: as before, else path_01)",
+    )
+    parser.add_argument("--json", type=Path, metavar="F", help="write the fragment table to F; - for standard output")
+    parser.add_argument("--dry-run", action="store_true", help="do everything but write")
+    parser.add_argument(
+        "--print-plugin-path", nargs=0, action=_PrintPluginPath, help="print the path for PXR_PLUGINPATH_NAME"
+    )
+    volume = parser.add_mutually_exclusive_group()
+    volume.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    volume.add_argument("-v", "--verbose", action="store_true", help="print every fragment as well")
+    return parser
+
+
+def _add_recipe_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--anim", action="append", default=[], metavar="PRIM", help="work on this sketch only; may be repeated"
+    )
+    parser.add_argument("--paths", type=_positive, metavar="P", help="how many variants, instead of mtex:paths")
+    parser.add_argument(
+        "--candidates", type=_positive, metavar="K", help="matches kept per fragment, instead of mtex:candidates"
+    )
+    parser.add_argument("--band", type=_positive, metavar="B", help="match band, instead of mtex:matchBand")
+
+
+def _process(arguments: argparse.Namespace) -> int:
+    # Imported here: USD, numpy and scipy take far longer to load than --help or a usage error should.
+    from mtex_usd.api import process  # noqa: PLC0415
+    from mtex_usd.cli._table import check_json_target, write_json  # noqa: PLC0415
+
+    if arguments.json:
+        check_json_target(arguments.json)
+    with show_progress("reading the shot", quiet=arguments.quiet) as progress:
+        results = process(
+            arguments.stage,
+            out=arguments.output,
+            anim=arguments.anim,
+            paths=arguments.paths,
+            candidates=arguments.candidates,
+            band=arguments.band,
+            select=arguments.select,
+            dry_run=arguments.dry_run,
+            progress=progress,
+        )
+    if arguments.json:
+        write_json(arguments.json, results)
+    if not arguments.quiet:
+        _report(results, arguments)
+    return 0
+
+
+def _report(results: "Sequence[Result]", arguments: argparse.Namespace) -> None:
+    """Print notes on stderr, and on stdout what was made, unless the JSON goes there."""
+    for result in results:
+        for note in result.notes:
+            print(f"{_NAME}: note: {result.anim}: {note}", file=sys.stderr)
+    if arguments.json == Path("-"):
+        return
+    for result in results:
+        print(f"{result.anim}\t{result.model}\t{{{result.variantSet}}}")
+        for variant in result.variants:
+            print(f"  {variant.name}\tdistance {variant.distance:.6g}\t{_count(variant.zeroCostJoins)}")
+            for fragment in variant.fragments if arguments.verbose else ():
+                print(
+                    "    {start:g} to {end:g}\t{take}\t{takeStart:g} to {takeEnd:g}\tscale {scale:.3g}".format(
+                        **fragment
+                    )
+                )
+    if not arguments.dry_run:
+        print(f"wrote {results[0].layer}")
+        print(f"open {results[0].stage}")
+
+
+def _count(joins: int) -> str:
+    return f"{joins} consecutive join{'' if joins == 1 else 's'}"

@@ -1,0 +1,1 @@
+"""Readers of recorded motion files. Each gives plain arrays; none imports USD."""

@@ -1,0 +1,148 @@
+"""Unit quaternions as arrays [..., 4], real part first, in double precision.
+
+Products are written out; everything with a branch or a singularity is scipy's. A quaternion q acts on column vectors:
+``rotate(multiply(a, b), v)`` is ``rotate(a, rotate(b, v))``.
+"""
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial.transform import Rotation
+
+__all__ = [
+    "angle_between",
+    "conjugate",
+    "exp",
+    "from_euler",
+    "from_usd_matrix",
+    "log",
+    "mean",
+    "midpoint",
+    "multiply",
+    "normalize",
+    "rotate",
+    "to_euler",
+    "twist",
+    "unroll",
+    "unroll_vectors",
+]
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def _rotation(q: FloatArray) -> Rotation:
+    return Rotation.from_quat(np.reshape(q, (-1, 4)), scalar_first=True)
+
+
+def multiply(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Compose rotations, b first; shapes [..., 4] broadcast."""
+    aw, ax, ay, az = np.moveaxis(a, -1, 0)
+    bw, bx, by, bz = np.moveaxis(b, -1, 0)
+    return np.stack(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ],
+        axis=-1,
+    )
+
+
+def conjugate(q: FloatArray) -> FloatArray:
+    """Invert unit quaternions."""
+    return np.asarray(q * np.array([1.0, -1.0, -1.0, -1.0]))
+
+
+def normalize(q: FloatArray) -> FloatArray:
+    """Scale to unit length."""
+    return np.asarray(q / np.linalg.norm(q, axis=-1, keepdims=True))
+
+
+def rotate(q: FloatArray, v: FloatArray) -> FloatArray:
+    """Rotate vectors [..., 3] by quaternions [..., 4]."""
+    real, axis = q[..., :1], q[..., 1:]
+    t = 2.0 * np.cross(axis, v)
+    return np.asarray(v + real * t + np.cross(axis, t))
+
+
+def from_usd_matrix(m: FloatArray) -> FloatArray:
+    """Take the rotations out of USD transforms [..., 4, 4] (row vectors), less scale and mirroring, as UsdSkel does."""
+    upper = np.asarray(m, dtype=np.float64)[..., :3, :3]
+    mirrored = np.where(np.linalg.det(upper) < 0.0, -1.0, 1.0)[..., None, None]
+    rows = mirrored * upper / np.linalg.norm(upper, axis=-1, keepdims=True)
+    columns = np.swapaxes(rows, -1, -2).reshape(-1, 3, 3)
+    return np.asarray(Rotation.from_matrix(columns).as_quat(scalar_first=True)).reshape(*m.shape[:-2], 4)
+
+
+def log(q: FloatArray) -> FloatArray:
+    """Rotation vectors [..., 3] in radians, at most pi long."""
+    return np.asarray(_rotation(q).as_rotvec()).reshape(*q.shape[:-1], 3)
+
+
+def exp(v: FloatArray) -> FloatArray:
+    """Quaternions [..., 4] of rotation vectors [..., 3] in radians."""
+    flat = Rotation.from_rotvec(np.reshape(v, (-1, 3))).as_quat(scalar_first=True)
+    return np.asarray(flat).reshape(*v.shape[:-1], 4)
+
+
+def to_euler(q: FloatArray, order: str) -> FloatArray:
+    """Angles [..., 3] in degrees, about the axes x, y, z in that column order, for an intrinsic order such as "ZYX"."""
+    angles = np.asarray(_rotation(q).as_euler(order, degrees=True)).reshape(*q.shape[:-1], 3)
+    columns = np.empty_like(angles)
+    for position, axis in enumerate(order):
+        columns[..., "XYZ".index(axis)] = angles[..., position]
+    return columns
+
+
+def from_euler(angles: FloatArray, order: str) -> FloatArray:
+    """Quaternions [..., 4] of angles [..., 3] as :func:`to_euler` gives them."""
+    ordered = np.stack([angles[..., "XYZ".index(axis)] for axis in order], axis=-1)
+    flat = Rotation.from_euler(order, ordered.reshape(-1, 3), degrees=True).as_quat(scalar_first=True)
+    return np.asarray(flat).reshape(*angles.shape[:-1], 4)
+
+
+def unroll(q: FloatArray) -> FloatArray:
+    """Choose signs so that consecutive quaternions along the first axis are nearest; shape [F, ..., 4]."""
+    if len(q) < 2:
+        return q
+    dots = np.sum(q[1:] * q[:-1], axis=-1)
+    signs = np.cumprod(np.where(dots < 0.0, -1.0, 1.0), axis=0)
+    return np.concatenate([q[:1], q[1:] * signs[..., None]], axis=0)
+
+
+def unroll_vectors(v: FloatArray) -> FloatArray:
+    """Choose turns so that consecutive rotation vectors along the first axis are nearest; shape [F, ..., 3]."""
+    if np.linalg.norm(np.diff(v, axis=0), axis=-1).max(initial=0.0) < np.pi:
+        return v
+    out = np.array(v, dtype=np.float64)
+    length = np.linalg.norm(out, axis=-1, keepdims=True)
+    axis = np.divide(out, length, out=np.zeros_like(out), where=length > 1e-9)
+    for i in range(1, len(out)):
+        along = np.sum((out[i - 1] - out[i]) * axis[i], axis=-1, keepdims=True)
+        out[i] += np.round(along / (2.0 * np.pi)) * 2.0 * np.pi * axis[i]
+    return out
+
+
+def mean(q: FloatArray) -> FloatArray:
+    """Mean rotation over the first axis (chordal L2 mean); shape [F, J, 4] to [J, 4]."""
+    means = [
+        Rotation.from_quat(q[:, j], scalar_first=True).mean().as_quat(scalar_first=True) for j in range(q.shape[1])
+    ]
+    return np.reshape(np.array(means, dtype=np.float64), (q.shape[1], 4))
+
+
+def midpoint(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Rotations half way between, the short way round; shapes [..., 4]."""
+    nearest = np.where(np.sum(a * b, axis=-1, keepdims=True) < 0.0, -b, b)
+    return normalize(a + nearest)
+
+
+def angle_between(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Angle in radians from one rotation to the other; shapes [..., 4] broadcast to [...]."""
+    relative = multiply(conjugate(a), b)
+    return np.asarray(2.0 * np.arctan2(np.linalg.norm(relative[..., 1:], axis=-1), np.abs(relative[..., 0])))
+
+
+def twist(q: FloatArray, axis: FloatArray) -> FloatArray:
+    """Angle in radians of the part of q that turns about a unit axis, the rest applied first; [..., 4] to [...]."""
+    return np.asarray(2.0 * np.arctan2(q[..., 1:] @ axis, q[..., 0]))

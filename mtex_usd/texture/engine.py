@@ -1,0 +1,173 @@
+"""The method from end to end on clips (Pullen & Bregler 2002, section 3)."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from mtex_usd.motion.channels import Channel
+from mtex_usd.motion.clip import Clip
+from mtex_usd.texture.candidates import build_lattice, find_candidates, find_sketch_fragments
+from mtex_usd.texture.diversity import find_diverse_paths
+from mtex_usd.texture.finish import Finished, Finisher
+from mtex_usd.texture.paths import Path, find_paths
+from mtex_usd.texture.pool import Matching, Pool, build_pool
+from mtex_usd.texture.pyramid import decompose
+from mtex_usd.texture.reading import Motion, choose_root, read_sketch, read_takes
+from mtex_usd.texture.recipe import Recipe
+from mtex_usd.texture.result import FragmentUse, TexturedMotion, Variant
+from mtex_usd.texture.roles import Roles, resolve_roles
+from mtex_usd.texture.space import Space, choose_orders
+
+__all__ = ["animated_channels", "texture_motion"]
+
+FloatArray = npt.NDArray[np.float64]
+
+# A channel that moves less than this, in degrees or thousandths of the height, is not animated.
+_STILL = 1e-3
+
+
+def texture_motion(sketch: Clip, takes: Sequence[Clip], recipe: Recipe) -> TexturedMotion:
+    """Texture and synthesize a sketch from takes.
+
+    Parameters
+    ----------
+    sketch
+        The animator's motion on every joint of the character, joints it lacks at rest.
+    takes
+        Recorded motion at the sketch's rate, each on a skeleton of its own that holds every joint of a role; joints
+        correspond by full path, then by unique last name.
+    recipe
+        What to match, texture and synthesize, and how.
+
+    Returns
+    -------
+    TexturedMotion
+        At most ``recipe.paths`` variants, best first; fewer, with a note, where there are no more.
+
+    Raises
+    ------
+    InputError
+        Channels that do not resolve, a role joint no take has, takes too short, nothing to do.
+    """
+    root = choose_root(sketch, takes)
+    roles = resolve_roles(recipe, sketch, animated_channels(sketch, root))
+    own = read_sketch(sketch, root, roles.heading_band)
+    motions, absent = read_takes(takes, sketch, root, roles.heading_band, roles.used)
+    space = _build_space(roles, root, own, motions)
+    ways = dict.fromkeys(Matching.of_span(span) for span in roles.spans)
+    pools = {way: build_pool(own, motions, space, way, recipe) for way in ways}
+    fragments = find_sketch_fragments(roles, pools, sketch.frame_count)
+    candidates = find_candidates(roles, pools, fragments, recipe)
+    join_frames = round(recipe.join_time * sketch.rate)
+    finisher = Finisher(own, motions, space, roles, fragments, candidates, join_frames)
+    curves = [space.to_curves(finisher.take_copy(take)) for take in range(len(motions))]
+    sliding = np.concatenate([np.zeros(3 * len(space.whole), dtype=np.bool_), space.sliding])
+    lattice = build_lattice(candidates, fragments, curves, sliding, recipe)
+    if recipe.diversity > 0.0:
+        chosen = find_diverse_paths(lattice, finisher, curves, recipe)
+    else:
+        chosen = [(path, finisher.finish(path.choice)) for path in find_paths(lattice, recipe.paths)]
+    variants = tuple(_describe(rank, path, done, finisher) for rank, (path, done) in enumerate(chosen, start=1))
+    notes = [*absent, *_notes(pools, finisher, recipe, len(variants))]
+    return _assemble(finisher, variants, notes)
+
+
+def animated_channels(sketch: Clip, root: int) -> tuple[Channel, ...]:
+    """Give the channels that move in the sketch, the one with most energy in the paper's match band first.
+
+    The order matters only where the recipe names neither match nor break channels.
+    """
+    motion = read_sketch(sketch, root, 4)
+    moving = np.ptp(motion.rotations, axis=0).max(axis=-1) > 1e-6
+    joints = [int(joint) for joint in np.flatnonzero(moving)]
+    space = replace(_no_space(root), orders=choose_orders(joints, [motion], root))
+    channels = [Channel(joint, kind) for joint in joints for kind in ("rx", "ry", "rz")]
+    still = {True: _STILL, False: 1e-3 * _STILL * sketch.skeleton.height}
+    shifting = np.flatnonzero(np.ptp(sketch.translations, axis=0).max(axis=-1) > still[False])
+    channels += [Channel(int(joint), kind) for joint in shifting for kind in ("tx", "ty", "tz")]
+    curves = {channel: space.read_channel(motion, channel) for channel in channels}
+    animated = [channel for channel in channels if np.ptp(curves[channel]) > still[channel.is_rotation]]
+
+    def restlessness(channel: Channel) -> float:
+        bands = decompose(curves[channel][:, None])
+        return -float(np.square(bands.sum_of(3, 5)).sum()) if channel.is_rotation else 0.0
+
+    return tuple(sorted(animated, key=lambda channel: (not channel.is_rotation, restlessness(channel))))
+
+
+def _no_space(root: int) -> Space:
+    return Space(root, (), (), {}, np.empty((0, 4)))
+
+
+def _build_space(roles: Roles, root: int, own: Motion, motions: Sequence[Motion]) -> Space:
+    """Choose Euler orders for the joints read in angles, and centre the whole joints on their mean rotations."""
+    space = Space.of_roles(roles, root, {})
+    read = {c for span in roles.spans for c in span.match} | set(space.single)
+    joints = sorted({channel.joint for channel in read if channel.is_rotation})
+    space = replace(space, orders=choose_orders(joints, [own, *motions], root))
+    textured = any(span.texture for span in roles.spans)
+    return space.centred_on([own, *motions] if textured else motions)
+
+
+def _describe(rank: int, path: Path, done: Finished, finisher: Finisher) -> Variant:
+    uses = tuple(_describe_fragment(q, k, finisher) for q, k in enumerate(path.choice))
+    return Variant(
+        rank=rank,
+        distance=sum(use.distance for use in uses),
+        zero_cost_joins=len(path.joins),
+        fragments=uses,
+        clip=done.clip,
+        joined=done.joined,
+        curves=done.curves,
+    )
+
+
+def _describe_fragment(q: int, k: int, finisher: Finisher) -> FragmentUse:
+    found = finisher.candidates[q]
+    take = finisher.takes[int(found.take[k])].clip
+    on_sketch, on_take = finisher.sketch.clip.time_codes, take.time_codes
+    first, last = finisher.fragments[q]
+    return FragmentUse(
+        start=float(on_sketch[first]),
+        end=float(on_sketch[last]),
+        take=take.name,
+        take_start=float(on_take[found.first[k]]),
+        take_end=float(on_take[found.last[k]]),
+        distance=float(found.distance[k]),
+        scale=float(found.scale[k]),
+    )
+
+
+def _notes(pools: dict[Matching, Pool], finisher: Finisher, recipe: Recipe, found: int) -> list[str]:
+    """Say what a user should know about takes, limits and variants."""
+    skipped = dict.fromkeys(take for pool in pools.values() for take in pool.skipped)
+    notes = [f"take {finisher.takes[take].clip.name} is skipped: too short for one fragment" for take in skipped]
+    times = finisher.sketch.clip.time_codes
+    for (first, last), found_here in zip(finisher.fragments, finisher.candidates, strict=True):
+        if found_here.stretch_lifted:
+            notes.append(
+                f"no take fragment is within {recipe.max_stretch:g} lengths of {times[first]:g} to {times[last]:g}; "
+                "the limit was lifted there"
+            )
+    if found < recipe.paths:
+        notes.append(f"{found} of {recipe.paths} variants: there are no more different ones")
+    return notes
+
+
+def _assemble(finisher: Finisher, variants: tuple[Variant, ...], notes: Sequence[str]) -> TexturedMotion:
+    space, sketch = finisher.space, finisher.sketch.clip
+    bands = finisher.sketch_bands
+    return TexturedMotion(
+        sketch=sketch,
+        channels=tuple(channel.name(sketch.joints) for channel in space.channels),
+        sketch_curves=bands.bands.sum(axis=0) + bands.residual,
+        textured=finisher.textured,
+        synthesized=finisher.synthesized,
+        rotation_orders={sketch.joints[joint]: order for joint, order in space.orders.items()},
+        mean_rotations={sketch.joints[j]: mean for j, mean in zip(space.whole, space.means, strict=True)},
+        breaks=np.append(finisher.fragments[:, 0], finisher.fragments[-1, 1]),
+        variants=variants,
+        notes=tuple(notes),
+    )

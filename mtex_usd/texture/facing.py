@@ -1,0 +1,148 @@
+"""The root and the way the character faces.
+
+The root's rotation and travel are read in the character's facing frame, so that a take walking another way still fits.
+The heading is the turn of the hip-to-hip axis about up since rest, smoothed to what is slower than the match band.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from mtex_usd.motion import quaternion
+from mtex_usd.motion.clip import Clip
+from mtex_usd.motion.skeleton import IntArray, Skeleton
+from mtex_usd.texture.pyramid import decompose
+
+__all__ = ["Facing", "find_hips", "find_root", "measure_heading", "replace_yaw"]
+
+FloatArray = npt.NDArray[np.float64]
+
+_STILL = 1e-6
+
+
+def find_root(clip: Clip) -> int | None:
+    """Give the topmost joint with animated translation, None where no joint has."""
+    moving = np.ptp(clip.translations, axis=0).max(axis=-1) > _STILL * clip.skeleton.height
+    if not moving.any():
+        return None
+    depths = np.array([joint.count("/") for joint in clip.joints])
+    return int(np.flatnonzero(moving)[np.argmin(depths[moving])])
+
+
+def find_hips(skeleton: Skeleton) -> tuple[int, int] | None:
+    """Find the two joints the legs begin with.
+
+    The legs are the two chains that end lowest at rest and part nearest the root; the hips are their first joints that
+    stand apart. None where the skeleton has no two such chains.
+    """
+    positions, _ = skeleton.world_pose(skeleton.rest_rotations, skeleton.rest_translations)
+    heights = positions @ skeleton.up
+    chains = [_chain(skeleton.parents, leaf) for leaf in _leaves(skeleton.parents)]
+    low = [chain for chain in chains if heights[chain[-1]] <= heights.min() + 0.15 * skeleton.height]
+    lowest = min(low, key=lambda chain: heights[chain[-1]])
+    others = [chain for chain in low if chain[0] == lowest[0] and chain is not lowest]
+    if not others:
+        return None
+    other = min(others, key=lambda chain: _shared(lowest, chain))
+    shared = _shared(lowest, other)
+    for a, b in zip(lowest[shared:], other[shared:], strict=False):
+        apart = positions[a] - positions[b]
+        if np.linalg.norm(apart - (apart @ skeleton.up) * skeleton.up) > 0.01 * skeleton.height:
+            return min(a, b), max(a, b)
+    return None
+
+
+def _leaves(parents: IntArray) -> list[int]:
+    return sorted(set(range(len(parents))) - set(parents.tolist()))
+
+
+def _chain(parents: IntArray, leaf: int) -> list[int]:
+    """Joints from the root down to a leaf."""
+    chain = [leaf]
+    while parents[chain[-1]] >= 0:
+        chain.append(int(parents[chain[-1]]))
+    return chain[::-1]
+
+
+def _shared(a: list[int], b: list[int]) -> int:
+    """How many joints two chains have in common."""
+    return sum(x == y for x, y in zip(a, b, strict=False))
+
+
+def measure_heading(clip: Clip, root: int) -> FloatArray:
+    """Turn of the hip axis about up since rest, radians, continuous in time, shape [F].
+
+    Where the skeleton has no hips, the turn of the root joint about up.
+    """
+    skeleton = clip.skeleton
+    hips = find_hips(skeleton)
+    if hips is None:
+        world = skeleton.world_rotations(clip.rotations)[:, root]
+        turned = quaternion.multiply(world, quaternion.conjugate(skeleton.rest_orientations[root]))
+        return np.unwrap(quaternion.twist(turned, skeleton.up))
+    first, second = hips
+    positions, _ = skeleton.world_pose(clip.rotations, clip.translations)
+    at_rest, _ = skeleton.world_pose(skeleton.rest_rotations, skeleton.rest_translations)
+    axis = positions[:, second] - positions[:, first]
+    rest_axis = at_rest[second] - at_rest[first]
+    sine = np.cross(rest_axis, axis) @ skeleton.up
+    cosine = axis @ rest_axis - (axis @ skeleton.up) * (rest_axis @ skeleton.up)
+    return np.unwrap(np.arctan2(sine, cosine))
+
+
+@dataclass(frozen=True, eq=False)
+class Facing:
+    """A clip's facing frame over time.
+
+    Parameters
+    ----------
+    heading
+        Smoothed heading in radians, shape [F].
+    up
+        Up in skeleton space, shape [3].
+    """
+
+    heading: FloatArray
+    up: FloatArray
+
+    @classmethod
+    def of_clip(cls, clip: Clip, root: int, match_band: int) -> "Facing":
+        """Measure a clip's facing, keeping what is slower than the match band."""
+        heading = measure_heading(clip, root)[:, None]
+        return cls(decompose(heading).at_or_below(match_band + 1)[:, 0], clip.skeleton.up)
+
+    def _turns(self, angles: FloatArray) -> FloatArray:
+        return quaternion.exp(angles[:, None] * self.up)
+
+    def into(self, rotations: FloatArray) -> FloatArray:
+        """Bring rotations [F, 4] from skeleton space into the facing frame."""
+        return quaternion.multiply(self._turns(-self.heading), rotations)
+
+    def out_of(self, rotations: FloatArray) -> FloatArray:
+        """Bring rotations [F, 4] from the facing frame back into skeleton space."""
+        return quaternion.multiply(self._turns(self.heading), rotations)
+
+    def _midway(self) -> FloatArray:
+        return 0.5 * (self.heading[1:] + self.heading[:-1])
+
+    def unroll_travel(self, positions: FloatArray) -> FloatArray:
+        """Straighten the root's path: every step is laid along the way the character faces; [F, 3] to [F, 3]."""
+        start = quaternion.rotate(self._turns(-self.heading[:1]), positions[:1])
+        steps = quaternion.rotate(self._turns(-self._midway()), np.diff(positions, axis=0))
+        return np.cumsum(np.concatenate([start, steps]), axis=0)
+
+    def roll_travel(self, travel: FloatArray) -> FloatArray:
+        """Invert :meth:`unroll_travel`."""
+        start = quaternion.rotate(self._turns(self.heading[:1]), travel[:1])
+        steps = quaternion.rotate(self._turns(self._midway()), np.diff(travel, axis=0))
+        return np.cumsum(np.concatenate([start, steps]), axis=0)
+
+
+def replace_yaw(rotations: FloatArray, yaw_of: FloatArray, up: FloatArray) -> FloatArray:
+    """Give rotations the turn about up of others; both [F, 4], in the same frame.
+
+    A rotation is read as its tilt first, then its turn about up; only the turn is exchanged.
+    """
+    turn = quaternion.twist(yaw_of, up) - quaternion.twist(rotations, up)
+    return quaternion.multiply(quaternion.exp(turn[:, None] * up), rotations)

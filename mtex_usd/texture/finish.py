@@ -1,0 +1,202 @@
+"""From a path of candidates to a finished motion: copy, stretch, scale, join, texture and synthesize.
+
+Texture (Pullen & Bregler 2002, section 3.1): y = x - sum B_k(x) + sum B_k(m) over the texture bands of the joined path
+m. Synthesis (section 4.1): the joined path without its highest band.
+"""
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from mtex_usd.motion.clip import Clip
+from mtex_usd.texture.candidates import Candidates
+from mtex_usd.texture.facing import replace_yaw
+from mtex_usd.texture.joining import join_curves, join_rotations
+from mtex_usd.texture.pyramid import Bands, decompose
+from mtex_usd.texture.reading import Motion
+from mtex_usd.texture.roles import Roles
+from mtex_usd.texture.space import Copied, Space
+from mtex_usd.texture.stretching import stretch_cubic
+
+__all__ = ["Finished", "Finisher"]
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Finished:
+    """One path made into motion.
+
+    Parameters
+    ----------
+    clip
+        The result on the whole skeleton.
+    joined, curves
+        The joined path and the result as curves of the space, shape [F, C].
+    """
+
+    clip: Clip
+    joined: FloatArray
+    curves: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Finisher:
+    """Everything that is the same for all paths of one sketch.
+
+    Parameters
+    ----------
+    sketch
+        The sketch.
+    takes
+        The takes, in the order the candidates count them.
+    space
+        What is copied, and how.
+    roles
+        What it is copied for, and when.
+    fragments
+        Sketch fragments, shape [Q, 2].
+    candidates
+        Candidates per sketch fragment, length Q.
+    join_frames
+        N of the joining blend.
+    """
+
+    sketch: Motion
+    takes: Sequence[Motion]
+    space: Space
+    roles: Roles
+    fragments: IntArray
+    candidates: Sequence[Candidates]
+    join_frames: int
+    _copied: dict[int, Copied] = field(default_factory=dict)
+    _residuals: dict[int, FloatArray] = field(default_factory=dict)
+    _stretched: dict[tuple[int, int, int, int], Copied] = field(default_factory=dict)
+
+    def take_copy(self, take: int) -> Copied:
+        """What can be copied of one take."""
+        if take not in self._copied:
+            self._copied[take] = self.space.read(self.takes[take])
+        return self._copied[take]
+
+    @property
+    def sketch_bands(self) -> Bands:
+        """The sketch's copied channels, decomposed."""
+        return decompose(self.space.to_curves(self.space.read(self.sketch)))
+
+    @property
+    def textured(self) -> FloatArray:
+        """How far each column is textured at each frame, shape [F, C]."""
+        return self.roles.weights(self.space.channels, lambda span: span.texture, self.join_frames)
+
+    @property
+    def synthesized(self) -> FloatArray:
+        """How far each column is synthesized at each frame, shape [F, C]."""
+        return self.roles.weights(self.space.channels, lambda span: span.synthesize, self.join_frames)
+
+    def finish(self, choice: Sequence[int]) -> Finished:
+        """Make one path into motion.
+
+        Parameters
+        ----------
+        choice
+            Index of the candidate per sketch fragment, length Q.
+        """
+        joined = self._keep_yaw(self._join(choice))
+        path = self.space.to_curves(joined)
+        curves = self._combine(path)
+        return Finished(self.space.apply(self.space.from_curves(curves), self.sketch), path, curves)
+
+    def _join(self, choice: Sequence[int]) -> Copied:
+        pieces = [self._stretch(q, k) for q, k in enumerate(choice)]
+        scales = self._scales(choice)
+        if np.any(scales != 1.0):
+            pieces = [self._scale(piece, q, k, scales) for q, (piece, k) in enumerate(zip(pieces, choice, strict=True))]
+        continued = self._continued(choice)
+        rotations = join_rotations([piece.rotations for piece in pieces], continued, self.join_frames)
+        curves = join_curves(
+            [piece.curves for piece in pieces],
+            continued,
+            self.join_frames,
+            turning=self.space.turning,
+            sliding=self.space.sliding,
+        )
+        return Copied(rotations, curves)
+
+    def _continued(self, choice: Sequence[int]) -> npt.NDArray[np.bool_]:
+        """Whether the two fragments at each join were consecutive in their take, shape [Q - 1]."""
+        used = [(c.take[k], c.first[k], c.last[k]) for c, k in zip(self.candidates, choice, strict=True)]
+        pairs = itertools.pairwise(used)
+        return np.array([a[0] == b[0] and a[2] == b[1] for a, b in pairs], dtype=np.bool_)
+
+    def _stretch(self, q: int, k: int) -> Copied:
+        """One candidate at its sketch fragment's length."""
+        found = self.candidates[q]
+        frames = int(self.fragments[q, 1] - self.fragments[q, 0]) + 1
+        key = (int(found.take[k]), int(found.first[k]), int(found.last[k]), frames)
+        if key not in self._stretched:
+            self._stretched[key] = _stretch(self.take_copy(key[0]), *key[1:])
+        return self._stretched[key]
+
+    def _scales(self, choice: Sequence[int]) -> FloatArray:
+        """The scale factor over time, from the middle of one fragment to the middle of the next, shape [F]."""
+        factors = [c.scale[k] for c, k in zip(self.candidates, choice, strict=True)]
+        return np.asarray(np.interp(np.arange(self.fragments[-1, 1] + 1), self.fragments.mean(axis=1), factors))
+
+    def _scale(self, piece: Copied, q: int, k: int, scales: FloatArray) -> Copied:
+        """Scale a stretched fragment about its take's residual."""
+        found = self.candidates[q]
+        first, last = self.fragments[q]
+        residual = self._residual(int(found.take[k]))
+        base = stretch_cubic(residual, int(found.first[k]), int(found.last[k]), len(piece.rotations))
+        curves = self.space.to_curves(piece)
+        return self.space.from_curves(base + scales[first : last + 1, None] * (curves - base))
+
+    def _residual(self, take: int) -> FloatArray:
+        if take not in self._residuals:
+            self._residuals[take] = decompose(self.space.to_curves(self.take_copy(take))).residual
+        return self._residuals[take]
+
+    def _keep_yaw(self, joined: Copied) -> Copied:
+        """Where the root's rotation is synthesized, give it the sketch's turn about up."""
+        root = self.space.root
+        if root not in self.space.whole or not any(c.joint == root for s in self.roles.spans for c in s.synthesize):
+            return joined
+        rotations = np.array(joined.rotations)
+        column = self.space.whole.index(root)
+        yaw_of = self.sketch.rotations[:, root]
+        rotations[:, column] = replace_yaw(rotations[:, column], yaw_of, self.sketch.clip.skeleton.up)
+        return replace(joined, rotations=rotations)
+
+    def _combine(self, path: FloatArray) -> FloatArray:
+        """Texture and synthesize the sketch's curves from the joined path, shape [F, C]."""
+        own, taken = self.sketch_bands, decompose(path)
+        sketch = own.bands.sum(axis=0) + own.residual
+        synthesized = self.synthesized
+        result = sketch + synthesized * (taken.at_or_below(self.roles.synthesis_band) - sketch)
+        for bands in {span.texture_bands for span in self.roles.spans}:
+            detail = taken.sum_of(*bands) - own.sum_of(*bands)
+            result += self._texture_weight(bands) * detail
+        return np.asarray(result)
+
+    def _texture_weight(self, bands: tuple[int, int]) -> FloatArray:
+        """How far each column is textured with some bands at each frame, shape [F, C]."""
+        return self.roles.weights(
+            self.space.channels,
+            lambda span: span.texture if span.texture_bands == bands else frozenset(),
+            self.join_frames,
+        )
+
+
+def _stretch(copied: Copied, first: int, last: int, frames: int) -> Copied:
+    """Stretch rotations as unit quaternions and curves as numbers, in one pass."""
+    joints = copied.rotations.shape[1]
+    flat = np.concatenate([copied.rotations.reshape(len(copied.rotations), -1), copied.curves], axis=1)
+    stretched = stretch_cubic(flat, first, last, frames)
+    rotations = stretched[:, : 4 * joints].reshape(frames, joints, 4)
+    lengths = np.linalg.norm(rotations, axis=-1, keepdims=True)
+    return Copied(rotations / lengths, stretched[:, 4 * joints :])

@@ -1,0 +1,162 @@
+"""Reading clips for the method: in skeleton axes, on the sketch's joints, the root in the facing frame."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from mtex_usd.errors import InputError
+from mtex_usd.motion.channels import Channel, to_skeleton_rotations, to_skeleton_translations
+from mtex_usd.motion.clip import Clip
+from mtex_usd.texture.facing import Facing, find_root
+
+__all__ = ["Motion", "choose_root", "corresponding_joints", "read_sketch", "read_takes"]
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A clip read for the method; joints are the sketch's, J of them, at rest where a take lacks them.
+
+    Parameters
+    ----------
+    clip
+        Where it comes from, on its own skeleton.
+    rotations
+        In skeleton axes and relative to rest, the root's in the facing frame, shape [F, J, 4].
+    offsets
+        Translations in skeleton axes and relative to rest, shape [F, J, 3].
+    travel
+        The root's position, straightened along the facing, shape [F, 3].
+    facing
+        The facing frame over time.
+    """
+
+    clip: Clip
+    rotations: FloatArray
+    offsets: FloatArray
+    travel: FloatArray
+    facing: Facing
+
+
+def corresponding_joints(joints: Sequence[str], wanted: Sequence[str]) -> dict[int, int]:
+    """Find where joints are in another skeleton: by full path, then by last name where both have it once.
+
+    Returns
+    -------
+    dict
+        Index in `joints` by index in `wanted`; joints without a counterpart are left out.
+    """
+    by_path = {joint: i for i, joint in enumerate(joints)}
+    by_name = _unique_names(joints)
+    unique = _unique_names(wanted)
+    found = {}
+    for i, joint in enumerate(wanted):
+        name = joint.rpartition("/")[2]
+        if joint in by_path:
+            found[i] = by_path[joint]
+        elif name in by_name and name in unique:
+            found[i] = by_name[name]
+    return found
+
+
+def _unique_names(joints: Sequence[str]) -> dict[str, int]:
+    names = [joint.rpartition("/")[2] for joint in joints]
+    return {name: i for i, name in enumerate(names) if names.count(name) == 1}
+
+
+def choose_root(sketch: Clip, takes: Sequence[Clip]) -> int:
+    """Give the root: the topmost joint with animated translation in the sketch, else in a take, else joint 0."""
+    own = find_root(sketch)
+    if own is not None:
+        return own
+    for take in takes:
+        root = find_root(take)
+        if root is not None:
+            back = corresponding_joints(sketch.joints, take.joints)
+            return back.get(root, 0)
+    return 0
+
+
+def read_sketch(sketch: Clip, root: int, heading_band: int) -> Motion:
+    """Read the sketch; what is slower than the heading band is heading."""
+    return _read(sketch, root, root, heading_band, None, len(sketch.joints))
+
+
+def read_takes(
+    takes: Sequence[Clip], sketch: Clip, root: int, heading_band: int, channels: Sequence[Channel]
+) -> tuple[list[Motion], list[str]]:
+    """Read takes onto the sketch's joints.
+
+    Parameters
+    ----------
+    takes, sketch
+        All at one rate.
+    root
+        The sketch's root joint.
+    heading_band
+        What is slower than this band is heading.
+    channels
+        Channels with a role; a take that lacks one of their joints is left out.
+
+    Returns
+    -------
+    tuple
+        The motions, and a note for each take left out.
+
+    Raises
+    ------
+    InputError
+        Where no take has all joints with a role; the message names those that are missing.
+    """
+    needed = {channel.joint for channel in channels}
+    motions, notes, lacking = [], [], set()
+    for take in takes:
+        found = corresponding_joints(take.joints, sketch.joints)
+        missing = needed - found.keys()
+        if missing:
+            lacking |= missing
+            notes.append(f"take {take.name} is left out: it has no {_names(missing, sketch)}")
+            continue
+        own_root = found.get(root, find_root(take) or 0)
+        indices = None if take.joints == sketch.joints else found
+        motions.append(_read(take, root, own_root, heading_band, indices, len(sketch.joints)))
+    if not motions:
+        raise InputError(
+            f"{sketch.name}: no take has all joints with a role",
+            expected=f"joints named {_names(lacking or needed, sketch)}",
+            found="; ".join(notes) or "no takes",
+            fix="Use takes recorded on a skeleton with these joint names.",
+        )
+    return motions, notes
+
+
+def _names(joints: set[int], sketch: Clip) -> str:
+    return ", ".join(sketch.joints[joint] for joint in sorted(joints))
+
+
+def _read(
+    clip: Clip, root: int, own_root: int, heading_band: int, indices: dict[int, int] | None, joint_count: int
+) -> Motion:
+    rotations = to_skeleton_rotations(clip.rotations, clip.skeleton)
+    offsets = to_skeleton_translations(clip.translations, clip.skeleton)
+    if indices is not None:
+        rotations, offsets = _reorder(rotations, offsets, {**indices, root: own_root}, joint_count)
+    facing = Facing.of_clip(clip, own_root, heading_band)
+    rotations[:, root] = facing.into(rotations[:, root])
+    return Motion(clip, rotations, offsets, facing.unroll_travel(offsets[:, root]), facing)
+
+
+def _reorder(
+    rotations: FloatArray, offsets: FloatArray, indices: dict[int, int], joint_count: int
+) -> tuple[FloatArray, FloatArray]:
+    """Put a take's joints where the sketch has them; the others stay at rest."""
+    own, others = list(indices), list(indices.values())
+    placed = np.zeros((len(rotations), joint_count, 4))
+    placed[..., 0] = 1.0
+    placed[:, own] = rotations[:, others]
+    moved = np.zeros((len(offsets), joint_count, 3))
+    moved[:, own] = offsets[:, others]
+    return placed, moved

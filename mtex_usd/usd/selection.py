@@ -1,0 +1,77 @@
+"""Which variant a set selects: as asked for, else as the user left it, else the best path."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pxr import Sdf, Usd
+
+from mtex_usd.errors import InputError
+from mtex_usd.usd.atomic import is_ours
+from mtex_usd.usd.thin_root import thin_root_path
+
+__all__ = ["Selections", "read_selections"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Selections:
+    """What earlier runs and the user left selected.
+
+    Parameters
+    ----------
+    layers
+        Strongest first.
+    asked
+        The variant to select in every set, whatever was selected; None to leave it to the layers.
+    """
+
+    layers: tuple[Sdf.Layer, ...]
+    asked: str | None
+
+    def choose(self, model: Sdf.Path, variant_set: str, names: Sequence[str]) -> str:
+        """Choose the variant that a set selects.
+
+        Parameters
+        ----------
+        model, variant_set
+            The set; `model` names it in messages too.
+        names
+            The variants it is going to have; the first is taken where nothing else is said.
+
+        Raises
+        ------
+        InputError
+            Where the one asked for is none of them; lists them.
+        """
+        if self.asked is None:
+            had = self._had(model, variant_set)
+            return had if had in names else names[0]
+        if self.asked not in names:
+            raise InputError(
+                f"{model} gets no variant {self.asked} to select", expected=f"one of {', '.join(sorted(names))}"
+            )
+        return self.asked
+
+    def _had(self, model: Sdf.Path, variant_set: str) -> str:
+        specs = (layer.GetPrimAtPath(model) for layer in self.layers)
+        selections = (spec.variantSelections.get(variant_set) for spec in specs if spec)
+        return next((selection for selection in selections if selection), "")
+
+
+def read_selections(stage: Usd.Stage, out: Path, asked: str | None) -> Selections:
+    """Gather the layers that may say what is selected.
+
+    Parameters
+    ----------
+    stage
+        The shot, our own layers muted; they and the thin roots beside them count before the shot's layers, which they
+        were stacked over.
+    out
+        The override layer about to be written; what is there now and its thin root count first.
+    asked
+        What the user asks for now.
+    """
+    overrides = [out, *map(Path, stage.GetMutedLayers())]
+    files = [file_path for override in overrides for file_path in (thin_root_path(override), override)]
+    layers = [Sdf.Layer.FindOrOpen(str(file_path)) for file_path in filter(is_ours, files)]
+    return Selections(layers=(*layers, *stage.GetLayerStack(includeSessionLayers=False)), asked=asked)

@@ -35,17 +35,29 @@ def _rotation(q: FloatArray) -> Rotation:
 
 def multiply(a: FloatArray, b: FloatArray) -> FloatArray:
     """Compose rotations, b first; shapes [..., 4] broadcast."""
-    aw, ax, ay, az = np.moveaxis(a, -1, 0)
-    bw, bx, by, bz = np.moveaxis(b, -1, 0)
-    return np.stack(
-        [
-            aw * bw - ax * bx - ay * by - az * bz,
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-        ],
-        axis=-1,
-    )
+    aw, ax, ay, az = _components(a)
+    bw, bx, by, bz = _components(b)
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    out[..., 0] = aw * bw - ax * bx - ay * by - az * bz
+    out[..., 1] = aw * bx + ax * bw + ay * bz - az * by
+    out[..., 2] = aw * by - ax * bz + ay * bw + az * bx
+    out[..., 3] = aw * bz + ax * by - ay * bx + az * bw
+    return out
+
+
+def _components(a: FloatArray) -> list[FloatArray]:
+    return [a[..., i] for i in range(a.shape[-1])]
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    # numpy's own handles vectors of any kind on any axis, which takes it several times as long.
+    ax, ay, az = _components(a)
+    bx, by, bz = _components(b)
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    out[..., 0] = ay * bz - az * by
+    out[..., 1] = az * bx - ax * bz
+    out[..., 2] = ax * by - ay * bx
+    return out
 
 
 def conjugate(q: FloatArray) -> FloatArray:
@@ -61,8 +73,8 @@ def normalize(q: FloatArray) -> FloatArray:
 def rotate(q: FloatArray, v: FloatArray) -> FloatArray:
     """Rotate vectors [..., 3] by quaternions [..., 4]."""
     real, axis = q[..., :1], q[..., 1:]
-    t = 2.0 * np.cross(axis, v)
-    return np.asarray(v + real * t + np.cross(axis, t))
+    t = 2.0 * _cross(axis, v)
+    return np.asarray(v + real * t + _cross(axis, t))
 
 
 def from_usd_matrix(m: FloatArray) -> FloatArray:

@@ -70,7 +70,7 @@ def texture_motion(sketch: Clip, takes: Sequence[Clip], recipe: Recipe) -> Textu
     else:
         chosen = [(path, finisher.finish(path.choice)) for path in find_paths(lattice, recipe.paths)]
     variants = tuple(_describe(rank, path, done, finisher) for rank, (path, done) in enumerate(chosen, start=1))
-    notes = [*absent, *_notes(pools, finisher, recipe, len(variants))]
+    notes = [*roles.notes, *absent, *_notes(pools, finisher, recipe, len(variants))]
     return _assemble(finisher, variants, notes)
 
 
@@ -104,11 +104,16 @@ def _no_space(root: int) -> Space:
 def _build_space(roles: Roles, root: int, own: Motion, motions: Sequence[Motion]) -> Space:
     """Choose Euler orders for the joints read in angles, and centre the whole joints on their mean rotations."""
     space = Space.of_roles(roles, root, {})
-    read = {c for span in roles.spans for c in span.match} | set(space.single)
-    joints = sorted({channel.joint for channel in read if channel.is_rotation})
+    joints = _joints_in_angles(roles, space)
     space = replace(space, orders=choose_orders(joints, [own, *motions], root))
     textured = any(span.texture for span in roles.spans)
     return space.centred_on([own, *motions] if textured else motions)
+
+
+def _joints_in_angles(roles: Roles, space: Space) -> list[int]:
+    """Joints whose channels are matched, cut at or copied one by one."""
+    read = {channel for span in roles.spans for channel in (*span.match, span.break_channel)} | set(space.single)
+    return sorted({channel.joint for channel in read if channel.is_rotation})
 
 
 def _describe(rank: int, path: Path, done: Finished, finisher: Finisher) -> Variant:

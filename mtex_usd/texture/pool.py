@@ -96,8 +96,9 @@ def build_pool(sketch: Motion, takes: Sequence[Motion], space: Space, matching: 
     clips = [sketch, *(takes[i] for i in usable)]
     curves = _match_curves(clips, space, matching.match)
     measured = [_measure(c, clip, space, matching, recipe) for c, clip in zip(curves, clips, strict=True)]
-    dead_band = DEAD_BAND * max(float(np.ptp(m.band[:, _break_column(matching)])) for m in measured)
-    turns = [find_turns(m.band[:, _break_column(matching)], dead_band) for m in measured]
+    bands = [_break_band(clip, space, matching) for clip in clips]
+    dead_band = DEAD_BAND * max(float(np.ptp(band)) for band in bands)
+    turns = [find_turns(band, dead_band) for band in bands]
     pooled, fragments, owner, starts = _lay_end_to_end(measured[1:], turns[1:])
     weights = _column_weights(pooled, fragments, matching.match)
     return Pool(
@@ -115,8 +116,10 @@ def _limit(sketch: Motion) -> int:
     return band_limit(sketch.clip.frame_count)
 
 
-def _break_column(matching: Matching) -> int:
-    return matching.match.index(matching.break_channel)
+def _break_band(clip: Motion, space: Space, matching: Matching) -> FloatArray:
+    """The band whose turns cut a clip, shape [F]."""
+    curve = space.read_channel(clip, matching.break_channel)[:, None]
+    return decompose(curve).band(matching.band)[:, 0]
 
 
 def _match_curves(clips: Sequence[Motion], space: Space, match: Sequence[Channel]) -> list[FloatArray]:

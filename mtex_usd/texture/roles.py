@@ -53,11 +53,14 @@ class Roles:
         Highest-frequency band kept in synthesized channels.
     heading_band
         The match band of the recipe itself: what is slower is heading.
+    notes
+        What could not be as asked.
     """
 
     spans: tuple[Span, ...]
     synthesis_band: int
     heading_band: int
+    notes: tuple[str, ...] = ()
 
     @property
     def borders(self) -> tuple[int, ...]:
@@ -71,8 +74,9 @@ class Roles:
 
     @property
     def used(self) -> tuple[Channel, ...]:
-        """Every channel with a role, matching included, sorted."""
-        return tuple(sorted({*self.copied, *(channel for span in self.spans for channel in span.match)}))
+        """Every channel with a role, matching and breaking included, sorted."""
+        read = {channel for span in self.spans for channel in (*span.match, span.break_channel)}
+        return tuple(sorted({*self.copied, *read}))
 
     def span_at(self, frame: int) -> Span:
         """Give the span a fragment that begins at a frame belongs to."""
@@ -137,6 +141,19 @@ def resolve_roles(recipe: Recipe, sketch: Clip, animated: tuple[Channel, ...]) -
         spans,
         recipe.synthesis_band or nearest_band(SYNTHESIS_HZ, sketch.rate),
         _match_band(recipe.match_band, sketch),
+        _band_notes(recipe, sketch),
+    )
+
+
+def _band_notes(recipe: Recipe, sketch: Clip) -> tuple[str, ...]:
+    """Say where a match band is lower than the sketch is long enough for."""
+    asked = {recipe.match_band, *(segment.match_band or 0 for segment in recipe.segments)}
+    wanted = {band or nearest_band(MATCH_HZ, sketch.rate) for band in asked}
+    limit, frames = band_limit(sketch.frame_count), sketch.frame_count
+    return tuple(
+        f"band {band} needs {2**band + 1} frames and the sketch has {frames}: matched on band {max(1, limit)}"
+        for band in sorted(wanted)
+        if band > limit
     )
 
 
@@ -226,8 +243,6 @@ def _break_channel(named: Sequence[Channel], match: Sequence[Channel], token: st
         return match[0]
     if len(named) > 1:
         raise InputError(f"{where}: break names several channels", expected="one, such as LeftUpLeg.rx", found=token)
-    if named[0] not in match:
-        raise InputError(f"{where}: the break channel is not matched", expected="a match channel", found=token)
     return named[0]
 
 

@@ -1,8 +1,8 @@
 """Normal walking as published: mean joint angles over one gait cycle, heel strike of the left foot at 0 %.
 
 Degrees, every 5 % of the cycle from 0 to 95. The values are rounded normative means after the works named below,
-written down from knowledge of their curves and not digitised from their pages: they are of the published shape and size,
-and neither a study's exact table nor any single subject.
+written down from knowledge of their curves and not digitised from their pages: they have the published shape and size,
+and are neither a study's exact table nor any single subject.
 
 Sources
 -------

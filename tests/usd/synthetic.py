@@ -10,7 +10,7 @@ from mtex_usd.motion import quaternion
 from mtex_usd.usd.characters import Character, find_characters
 from mtex_usd.usd.override import CharacterResult, VariantSamples
 from tests.usd.playback import animation_arrays
-from tests.usd.situations import ADDED_JOINT, OFFSETS, Situation
+from tests.usd.stage_parts import ADDED_JOINT, OFFSETS, Situation
 
 VARIANTS = 3
 

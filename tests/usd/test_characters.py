@@ -9,7 +9,8 @@ from mtex_usd.errors import StageError
 from mtex_usd.usd.characters import Character, find_characters
 from mtex_usd.usd.override import write_override
 from mtex_usd.usd.source_stage import open_source
-from tests.usd.situations import build_local, build_two_instances, build_two_sketches, build_unbound
+from tests.usd.base_situations import build_local, build_unbound
+from tests.usd.more_situations import build_two_instances, build_two_sketches
 from tests.usd.synthetic import make_result
 
 

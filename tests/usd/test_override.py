@@ -13,16 +13,10 @@ from mtex_usd.usd.check import check_override
 from mtex_usd.usd.custom_data import from_metadata, to_metadata
 from mtex_usd.usd.override import CharacterResult, variant_names, write_override
 from mtex_usd.usd.source_stage import open_source
+from tests.usd.base_situations import build_animation_layer, build_local
+from tests.usd.more_situations import build_nested_instances, build_other_rates, build_package, build_two_sketches
 from tests.usd.playback import local_transforms, select_variant
-from tests.usd.situations import (
-    Situation,
-    build_animation_layer,
-    build_local,
-    build_nested_instances,
-    build_other_rates,
-    build_package,
-    build_two_sketches,
-)
+from tests.usd.stage_parts import Situation
 from tests.usd.synthetic import make_custom_data, make_result, make_results
 
 MODEL = "/World/Char"

@@ -12,7 +12,8 @@ from mtex_usd.errors import ResultError, StageError
 from mtex_usd.usd.check import check_override
 from mtex_usd.usd.override import CharacterResult, VariantSamples, write_override
 from mtex_usd.usd.source_stage import open_source
-from tests.usd.situations import Situation, build_instanceable, build_local, build_unbound
+from tests.usd.base_situations import build_instanceable, build_local, build_unbound
+from tests.usd.stage_parts import Situation
 from tests.usd.synthetic import make_results
 
 

@@ -1,11 +1,17 @@
 """Motion capture assisted animation on UsdSkel.
 
 The public functions are loaded when they are first used, so that importing this package, and the commands' ``--help``,
-stay quick; importing it does register the schemas as soon as ``pxr`` is loaded through it.
+stay quick. Importing it makes the mtex schemas known to USD, whether USD is loaded before or after; only stages opened
+before are too early.
 """
 
+import sys
+from contextlib import suppress
 from importlib import import_module
 from typing import TYPE_CHECKING
+
+from mtex_usd.errors import InputError, MtexError, NoSolutionError, ResultError, StageError
+from mtex_usd.plugin_path import announce_plugin as _announce_plugin
 
 if TYPE_CHECKING:
     from mtex_usd.api import (
@@ -18,7 +24,6 @@ if TYPE_CHECKING:
         read_clip,
         write_clip,
     )
-    from mtex_usd.errors import InputError, MtexError, NoSolutionError, ResultError, StageError
     from mtex_usd.motion.clip import Clip
     from mtex_usd.motion.skeleton import Skeleton
 
@@ -47,10 +52,21 @@ _HOMES = {
         ("FailedFile", "ImportResult", "PathVariant", "Result", "import_takes", "process", "read_clip", "write_clip"),
         "mtex_usd.api",
     ),
-    **dict.fromkeys(("InputError", "MtexError", "NoSolutionError", "ResultError", "StageError"), "mtex_usd.errors"),
     "Clip": "mtex_usd.motion.clip",
     "Skeleton": "mtex_usd.motion.skeleton",
 }
+
+
+def _register_schemas() -> None:
+    if "pxr" in sys.modules:
+        import_module("mtex_usd.usd")
+    else:
+        _announce_plugin()
+
+
+# An incomplete installation is said when USD is used; the locator and --help work without.
+with suppress(InputError):
+    _register_schemas()
 
 
 def __getattr__(name: str) -> object:

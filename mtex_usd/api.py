@@ -308,8 +308,9 @@ def process(
     for done, job in enumerate(read_jobs(source.stage, cast.wanted)):
         _report(progress, done, len(cast.wanted), str(job.character.animation))
         recipe = replace(job.recipe, **overrides)
-        _check_selection(select, recipe)
-        finished.append((job, texture_motion(job.sketch, job.takes, recipe)))
+        motion = texture_motion(job.sketch, job.takes, recipe)
+        _check_selection(select, motion)
+        finished.append((job, motion))
     built = [build_result(job, motion) for job, motion in finished]
     if not dry_run:
         _, root = write_override(source.stage, built, target, select=select, keep=cast.others)
@@ -335,10 +336,10 @@ def _choose_target(source: SourceStage, asked: Path, out: str | Path | None) -> 
     return source.source_path.with_name(f"{source.source_path.stem}.mtex.usd")
 
 
-def _check_selection(select: str | None, recipe: Recipe) -> None:
-    names = (ORIGINAL, *variant_names(recipe.paths))
+def _check_selection(select: str | None, motion: TexturedMotion) -> None:
+    names = (ORIGINAL, *variant_names(len(motion.variants)))
     if select is not None and select not in names:
-        raise InputError(f"no variant {select!r}", expected=", ".join(names), found=select)
+        raise InputError(f"{motion.sketch.name} gets no variant {select!r}", expected=f"one of {', '.join(names)}")
 
 
 def _describe(job: Job, motion: TexturedMotion, target: Path) -> Result:

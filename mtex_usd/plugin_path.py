@@ -4,14 +4,16 @@ The folder is what ``PXR_PLUGINPATH_NAME`` takes so that other programs know the
 inside the package; a checkout and an editable install have it beside the package.
 """
 
+import os
 from pathlib import Path
 
 from mtex_usd.errors import InputError
 
-__all__ = ["plugin_path"]
+__all__ = ["announce_plugin", "plugin_path"]
 
 _PACKAGE = Path(__file__).resolve().parent
 _PLACES = (_PACKAGE / "_plugins" / "pxr_plugin", _PACKAGE.parent / "pxr_plugin")
+_VARIABLE = "PXR_PLUGINPATH_NAME"
 
 
 def plugin_path() -> Path:
@@ -36,3 +38,18 @@ def plugin_path() -> Path:
         found="neither",
         fix="Install usdmtex again.",
     )
+
+
+def announce_plugin() -> None:
+    """Put the plugin on this process's ``PXR_PLUGINPATH_NAME``, for a USD that is not loaded yet to find.
+
+    What stands there goes first. Programs started from here inherit it: they know the schemas too.
+
+    Raises
+    ------
+    InputError
+        Where the installation lacks the plugin.
+    """
+    places = [place for place in os.environ.get(_VARIABLE, "").split(os.pathsep) if place]
+    if str(plugin_path()) not in places:
+        os.environ[_VARIABLE] = os.pathsep.join([*places, str(plugin_path())])

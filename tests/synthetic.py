@@ -106,10 +106,11 @@ def walk(
     turns = quaternion.exp(np.radians(vectors))
     yaw = np.radians(heading) + np.radians(4.0) * np.sin(phase)
     turns[:, 0] = quaternion.multiply(quaternion.exp(yaw[:, None] * UP), turns[:, 0])
-    steps = np.cumsum(np.broadcast_to(2.2 * np.asarray(leg) * stride_hz / rate, frames) * size)
-    along = np.array([np.sin(np.radians(heading)), 0.0, np.cos(np.radians(heading))])
-    across = np.array([along[2], 0.0, -along[0]])
-    position = POSITIONS[HIPS] + steps[:, None] * along + 2.0 * np.sin(phase)[:, None] * across
+    steps = 2.2 * np.asarray(leg) * stride_hz / rate * size
+    ahead = np.broadcast_to(np.radians(heading), frames)
+    along = np.stack([np.sin(ahead), np.zeros(frames), np.cos(ahead)], axis=1)
+    across = np.stack([along[:, 2], np.zeros(frames), -along[:, 0]], axis=1)
+    position = POSITIONS[HIPS] + np.cumsum(steps[:, None] * along, axis=0) + 2.0 * np.sin(phase)[:, None] * across
     position[:, 1] += 1.5 * np.cos(2.0 * phase)
     return make_clip(skeleton, rate, turns, position, name=name, start=start, step=step)
 

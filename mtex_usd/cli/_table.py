@@ -28,6 +28,12 @@ def check_json_target(file_path: Path) -> None:
         return
     if not file_path.parent.is_dir():
         raise InputError(f"cannot write {file_path}", expected="an existing folder", found=str(file_path.parent))
+    if not os.access(file_path.parent, os.W_OK | os.X_OK):
+        raise InputError(f"cannot write {file_path}: folder {file_path.parent} is not writable")
+    _check_existing(file_path)
+
+
+def _check_existing(file_path: Path) -> None:
     if file_path.exists() and not _is_table(file_path):
         raise InputError(f"{file_path} exists and is not a table of usdmtex", fix="Choose another name for --json.")
 
@@ -54,6 +60,7 @@ def write_json(file_path: Path, results: Sequence[Result]) -> None:
     if file_path == _STANDARD_OUTPUT:
         sys.stdout.write(text)
         return
+    _check_existing(file_path)  # once more: the layer may have got the same name
     try:
         _replace(file_path, text)
     except OSError as error:

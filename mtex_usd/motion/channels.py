@@ -128,14 +128,25 @@ def to_skeleton_rotations(rotations: FloatArray, skeleton: Skeleton) -> FloatArr
     """Turn local rotations [F, J, 4] into D = W (R_rest^-1 R) W^-1."""
     orientation = skeleton.rest_orientations
     left = quaternion.multiply(orientation, quaternion.conjugate(skeleton.rest_rotations))
-    return quaternion.multiply(quaternion.multiply(left, rotations), quaternion.conjugate(orientation))
+    return _turn_between(left, rotations, quaternion.conjugate(orientation))
 
 
 def to_local_rotations(rotations: FloatArray, skeleton: Skeleton) -> FloatArray:
     """Invert :func:`to_skeleton_rotations`."""
     orientation = skeleton.rest_orientations
     left = quaternion.multiply(skeleton.rest_rotations, quaternion.conjugate(orientation))
-    return quaternion.multiply(quaternion.multiply(left, rotations), orientation)
+    return _turn_between(left, rotations, orientation)
+
+
+def _turn_between(left: FloatArray, rotations: FloatArray, right: FloatArray) -> FloatArray:
+    """Give left * rotation * right for all frames; [J, 4], [F, J, 4], [J, 4] to [F, J, 4]."""
+    # Linear in the rotation: one matrix per joint does both products at once.
+    return _transform(rotations, quaternion.multiply(quaternion.multiply(left, np.eye(4)[:, None]), right))
+
+
+def _transform(rows: FloatArray, matrices: FloatArray) -> FloatArray:
+    """Multiply the rows of every joint by its matrix, [F, J, N] and [N, J, N] to [F, J, N]."""
+    return np.swapaxes(np.swapaxes(rows, 0, 1) @ np.swapaxes(matrices, 0, 1), 0, 1)
 
 
 def _parent_orientations(skeleton: Skeleton) -> FloatArray:
@@ -145,13 +156,14 @@ def _parent_orientations(skeleton: Skeleton) -> FloatArray:
 
 def to_skeleton_translations(translations: FloatArray, skeleton: Skeleton) -> FloatArray:
     """Turn local translations [F, J, 3] into offsets from rest along the skeleton's axes."""
-    return quaternion.rotate(_parent_orientations(skeleton), translations - skeleton.rest_translations)
+    turns = quaternion.rotate(_parent_orientations(skeleton), np.eye(3)[:, None])
+    return _transform(translations - skeleton.rest_translations, turns)
 
 
 def to_local_translations(offsets: FloatArray, skeleton: Skeleton) -> FloatArray:
     """Invert :func:`to_skeleton_translations`."""
-    inverse = quaternion.conjugate(_parent_orientations(skeleton))
-    return quaternion.rotate(inverse, offsets) + skeleton.rest_translations
+    turns = quaternion.rotate(quaternion.conjugate(_parent_orientations(skeleton)), np.eye(3)[:, None])
+    return _transform(offsets, turns) + skeleton.rest_translations
 
 
 def choose_euler_order(rotations: FloatArray, *, outermost: str = "") -> str:

@@ -1,6 +1,7 @@
 """The skeleton: joints, their parents and their rest pose, with forward kinematics."""
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -134,3 +135,30 @@ class Skeleton:
                 offset = quaternion.rotate(world[..., parent, :], positions[..., joint, :])
                 positions[..., joint, :] = positions[..., parent, :] + offset
         return positions, world
+
+    def joint_positions(self, joints: Sequence[int], rotations: FloatArray, translations: FloatArray) -> FloatArray:
+        """Forward kinematics for a few joints, which costs no more than what is above them.
+
+        Parameters
+        ----------
+        joints
+            Indices of the joints, length N.
+        rotations, translations
+            Of all joints, as :meth:`world_pose` takes them.
+
+        Returns
+        -------
+        FloatArray
+            Positions in skeleton space, shape [..., N, 3].
+        """
+        needed = sorted({above for joint in joints for above in self.chain(joint)})
+        part = replace(self, joints=tuple(self.joints[i] for i in needed), rest=self.rest[needed])
+        positions, _ = part.world_pose(rotations[..., needed, :], translations[..., needed, :])
+        return positions[..., [needed.index(joint) for joint in joints], :]
+
+    def chain(self, joint: int) -> list[int]:
+        """Joints from the root down to a joint, itself included."""
+        chain = [joint]
+        while self.parents[chain[-1]] >= 0:
+            chain.append(int(self.parents[chain[-1]]))
+        return chain[::-1]

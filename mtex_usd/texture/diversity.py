@@ -92,6 +92,7 @@ def _next_diverse(
 
 def _fragment_differences(path: Path, finisher: Finisher, curves: Sequence[FloatArray]) -> list[FloatArray]:
     """Mean angle, degrees, of every candidate from the path's own over their fragment; Q arrays of shape [K]."""
+    columns = _angle_columns(finisher)
     result = []
     for (first, last), found, own in zip(finisher.fragments, finisher.candidates, path.choice, strict=True):
         pairs = np.stack([found.first, found.last], axis=1)
@@ -99,10 +100,19 @@ def _fragment_differences(path: Path, finisher: Finisher, curves: Sequence[Float
             stretch_linearly(curves[take], pair[None], int(last - first) + 1)[0]
             for take, pair in zip(found.take, pairs, strict=True)
         ]
-        vectors = np.stack(pieces)[..., : 3 * len(finisher.space.whole)]
-        apart = (vectors - vectors[own]).reshape(*vectors.shape[:2], -1, 3)
-        result.append(np.linalg.norm(apart, axis=-1).mean(axis=(1, 2)) if apart.size else np.zeros(len(found.take)))
+        apart = np.stack(pieces) - pieces[own]
+        angles = [np.linalg.norm(apart[..., of_joint], axis=-1) for of_joint in columns.values()]
+        result.append(np.mean(angles, axis=(0, 2)) if angles else np.zeros(len(found.take)))
     return result
+
+
+def _angle_columns(finisher: Finisher) -> dict[int, list[int]]:
+    """Columns that hold the rotation of each copied joint, whether a vector or angles."""
+    columns: dict[int, list[int]] = {}
+    for column, channel in enumerate(finisher.space.channels):
+        if channel.is_rotation:
+            columns.setdefault(channel.joint, []).append(column)
+    return columns
 
 
 def greatest_difference(a: Finished, b: Finished, finisher: Finisher) -> float:
@@ -110,10 +120,16 @@ def greatest_difference(a: Finished, b: Finished, finisher: Finisher) -> float:
 
     Where nothing is synthesized the joined paths are compared, since texture leaves the motion itself in place.
     """
-    synthesized = finisher.synthesized.any()
-    first, second = (a.curves, b.curves) if synthesized else (a.joined, b.joined)
-    rotations = [finisher.space.from_curves(curves).rotations for curves in (first, second)]
-    if rotations[0].shape[1] == 0:
+    joints = list(_angle_columns(finisher))
+    if not joints:
         return 0.0
+    rotations = [_rotations_to_compare(done, finisher)[:, joints] for done in (a, b)]
     angles = np.degrees(quaternion.angle_between(*rotations)).mean(axis=1)
     return max(float(angles[first : last + 1].mean()) for first, last in finisher.fragments)
+
+
+def _rotations_to_compare(done: Finished, finisher: Finisher) -> FloatArray:
+    if finisher.synthesized.any():
+        return done.clip.rotations
+    space = finisher.space
+    return space.apply(space.from_curves(done.joined), finisher.sketch).rotations

@@ -52,7 +52,8 @@ def texture_motion(sketch: Clip, takes: Sequence[Clip], recipe: Recipe) -> Textu
         Channels that do not resolve, a role joint no take has, takes too short, nothing to do.
     """
     root = choose_root(sketch, takes)
-    roles = resolve_roles(recipe, sketch, animated_channels(sketch, root))
+    animated = animated_channels(sketch, root) if _matches_all(recipe) else ()
+    roles = resolve_roles(recipe, sketch, animated)
     own = read_sketch(sketch, root, roles.heading_band)
     motions, absent = read_takes(takes, sketch, root, roles.heading_band, roles.used)
     space = _build_space(roles, root, own, motions)
@@ -74,6 +75,11 @@ def texture_motion(sketch: Clip, takes: Sequence[Clip], recipe: Recipe) -> Textu
     return _assemble(finisher, variants, notes)
 
 
+def _matches_all(recipe: Recipe) -> bool:
+    """Whether a match list is empty, which stands for every animated channel."""
+    return not recipe.match or any(segment.match == () for segment in recipe.segments)
+
+
 def animated_channels(sketch: Clip, root: int) -> tuple[Channel, ...]:
     """Give the channels that move in the sketch, the one with most energy in the paper's match band first.
 
@@ -89,12 +95,11 @@ def animated_channels(sketch: Clip, root: int) -> tuple[Channel, ...]:
     channels += [Channel(int(joint), kind) for joint in shifting for kind in ("tx", "ty", "tz")]
     curves = {channel: space.read_channel(motion, channel) for channel in channels}
     animated = [channel for channel in channels if np.ptp(curves[channel]) > still[channel.is_rotation]]
-
-    def restlessness(channel: Channel) -> float:
-        bands = decompose(curves[channel][:, None])
-        return -float(np.square(bands.sum_of(3, 5)).sum()) if channel.is_rotation else 0.0
-
-    return tuple(sorted(animated, key=lambda channel: (not channel.is_rotation, restlessness(channel))))
+    if not animated:
+        return ()
+    bands = decompose(np.stack([curves[channel] for channel in animated], axis=1))
+    energy = dict(zip(animated, np.square(bands.sum_of(3, 5)).sum(axis=0).tolist(), strict=True))
+    return tuple(sorted(animated, key=lambda c: (not c.is_rotation, -energy[c] if c.is_rotation else 0.0)))
 
 
 def _no_space(root: int) -> Space:

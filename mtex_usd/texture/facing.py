@@ -5,6 +5,7 @@ The heading is the turn of the hip-to-hip axis about up since rest, smoothed to 
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +31,7 @@ def find_root(clip: Clip) -> int | None:
     return int(np.flatnonzero(moving)[np.argmin(depths[moving])])
 
 
+@lru_cache(maxsize=64)
 def find_hips(skeleton: Skeleton) -> tuple[int, int] | None:
     """Find the two joints the legs begin with.
 
@@ -38,9 +40,9 @@ def find_hips(skeleton: Skeleton) -> tuple[int, int] | None:
     """
     positions, _ = skeleton.world_pose(skeleton.rest_rotations, skeleton.rest_translations)
     heights = positions @ skeleton.up
-    chains = [_chain(skeleton.parents, leaf) for leaf in _leaves(skeleton.parents)]
-    low = [chain for chain in chains if heights[chain[-1]] <= heights.min() + 0.15 * skeleton.height]
-    lowest = min(low, key=lambda chain: heights[chain[-1]])
+    chains = [skeleton.chain(leaf) for leaf in _leaves(skeleton.parents)]
+    lowest = min(chains, key=lambda chain: heights[chain[-1]])
+    low = [chain for chain in chains if heights[chain[-1]] <= heights[lowest[-1]] + 0.15 * skeleton.height]
     others = [chain for chain in low if chain[0] == lowest[0] and chain is not lowest]
     if not others:
         return None
@@ -57,17 +59,20 @@ def _leaves(parents: IntArray) -> list[int]:
     return sorted(set(range(len(parents))) - set(parents.tolist()))
 
 
-def _chain(parents: IntArray, leaf: int) -> list[int]:
-    """Joints from the root down to a leaf."""
-    chain = [leaf]
-    while parents[chain[-1]] >= 0:
-        chain.append(int(parents[chain[-1]]))
-    return chain[::-1]
-
-
 def _shared(a: list[int], b: list[int]) -> int:
     """How many joints two chains have in common."""
     return sum(x == y for x, y in zip(a, b, strict=False))
+
+
+def _across(skeleton: Skeleton, hips: tuple[int, int], rotations: FloatArray, translations: FloatArray) -> FloatArray:
+    """From the first hip to the second, shape [..., 3]."""
+    positions = skeleton.joint_positions(hips, rotations, translations)
+    return np.asarray(positions[..., 1, :] - positions[..., 0, :])
+
+
+@lru_cache(maxsize=64)
+def _rest_across(skeleton: Skeleton, hips: tuple[int, int]) -> FloatArray:
+    return _across(skeleton, hips, skeleton.rest_rotations, skeleton.rest_translations)
 
 
 def measure_heading(clip: Clip, root: int) -> FloatArray:
@@ -81,11 +86,8 @@ def measure_heading(clip: Clip, root: int) -> FloatArray:
         world = skeleton.world_rotations(clip.rotations)[:, root]
         turned = quaternion.multiply(world, quaternion.conjugate(skeleton.rest_orientations[root]))
         return np.unwrap(quaternion.twist(turned, skeleton.up))
-    first, second = hips
-    positions, _ = skeleton.world_pose(clip.rotations, clip.translations)
-    at_rest, _ = skeleton.world_pose(skeleton.rest_rotations, skeleton.rest_translations)
-    axis = positions[:, second] - positions[:, first]
-    rest_axis = at_rest[second] - at_rest[first]
+    axis = _across(skeleton, hips, clip.rotations, clip.translations)
+    rest_axis = _rest_across(skeleton, hips)
     sine = np.cross(rest_axis, axis) @ skeleton.up
     cosine = axis @ rest_axis - (axis @ skeleton.up) * (rest_axis @ skeleton.up)
     return np.unwrap(np.arctan2(sine, cosine))

@@ -7,10 +7,14 @@ m. Synthesis (section 4.1): the joined path without its highest band.
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
+from scipy.ndimage import maximum_filter1d
 
+from mtex_usd.motion import quaternion
+from mtex_usd.motion.channels import Channel
 from mtex_usd.motion.clip import Clip
 from mtex_usd.texture.candidates import Candidates
 from mtex_usd.texture.facing import replace_yaw
@@ -25,6 +29,10 @@ __all__ = ["Finished", "Finisher"]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
+BoolArray = npt.NDArray[np.bool_]
+
+# Farther from its mean than this, in degrees, a joint's vectors exaggerate turns twofold, and at 360 the axis is lost.
+_FAR = 210.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,17 +91,21 @@ class Finisher:
             self._copied[take] = self.space.read(self.takes[take])
         return self._copied[take]
 
-    @property
+    @cached_property
+    def _own(self) -> Copied:
+        return self.space.read(self.sketch)
+
+    @cached_property
     def sketch_bands(self) -> Bands:
         """The sketch's copied channels, decomposed."""
-        return decompose(self.space.to_curves(self.space.read(self.sketch)))
+        return decompose(self.space.to_curves(self._own))
 
-    @property
+    @cached_property
     def textured(self) -> FloatArray:
         """How far each column is textured at each frame, shape [F, C]."""
         return self.roles.weights(self.space.channels, lambda span: span.texture, self.join_frames)
 
-    @property
+    @cached_property
     def synthesized(self) -> FloatArray:
         """How far each column is synthesized at each frame, shape [F, C]."""
         return self.roles.weights(self.space.channels, lambda span: span.synthesize, self.join_frames)
@@ -105,11 +117,42 @@ class Finisher:
         ----------
         choice
             Index of the candidate per sketch fragment, length Q.
+
+        Notes
+        -----
+        A path that turns a synthesized joint farther than 210 degrees from its mean is smoothed there as quaternions:
+        vectors that long exaggerate turns, and near 360 degrees a small one changes them beyond measure.
         """
-        joined = self._keep_yaw(self._join(choice))
+        joined = self._on_nearest_turn(self._keep_yaw(self._join(choice)))
         path = self.space.to_curves(joined)
         curves = self._combine(path)
+        far = self._far_from_mean(path)
+        if far.any():
+            curves = self._smooth_as_quaternions(curves, joined, far)
         return Finished(self.space.apply(self.space.from_curves(curves), self.sketch), path, curves)
+
+    def _far_from_mean(self, path: FloatArray) -> BoolArray:
+        """Where synthesized joints come so far from their mean that vectors will not do, shape [F, W]."""
+        count = len(self.space.whole)
+        vectors = path[:, : 3 * count].reshape(len(path), count, 3)
+        far = np.asarray(np.linalg.norm(vectors, axis=-1) > _FAR)
+        if not far.any():
+            return far
+        # As far around as what is smoothed there sees.
+        around = maximum_filter1d(far.astype(np.uint8), 2 ** (self.roles.synthesis_band + 1) + 1, axis=0) > 0
+        return np.asarray(around & (self.synthesized[:, : 3 * count : 3] == 1.0))
+
+    def _smooth_as_quaternions(self, curves: FloatArray, joined: Copied, far: BoolArray) -> FloatArray:
+        """Where `far` [F, W] says so, take the highest bands out of the joined path's quaternions instead, [F, C]."""
+        flat = quaternion.unroll(joined.rotations).reshape(len(curves), -1)
+        smooth = decompose(flat).at_or_below(self.roles.synthesis_band).reshape(joined.rotations.shape)
+        plain = self.space.from_curves(curves)
+        rotations = np.where(far[..., None], quaternion.normalize(smooth), plain.rotations)
+        mended = self.space.to_curves(replace(plain, rotations=rotations))
+        columns = np.flatnonzero(np.repeat(far.any(axis=0), 3))
+        result = np.array(curves)
+        result[:, columns] = mended[:, columns]
+        return result
 
     def _join(self, choice: Sequence[int]) -> Copied:
         pieces = [self._stretch(q, k) for q, k in enumerate(choice)]
@@ -127,7 +170,7 @@ class Finisher:
         )
         return Copied(rotations, curves)
 
-    def _continued(self, choice: Sequence[int]) -> npt.NDArray[np.bool_]:
+    def _continued(self, choice: Sequence[int]) -> BoolArray:
         """Whether the two fragments at each join were consecutive in their take, shape [Q - 1]."""
         used = [(c.take[k], c.first[k], c.last[k]) for c, k in zip(self.candidates, choice, strict=True)]
         pairs = itertools.pairwise(used)
@@ -164,13 +207,30 @@ class Finisher:
     def _keep_yaw(self, joined: Copied) -> Copied:
         """Where the root's rotation is synthesized, give it the sketch's turn about up."""
         root = self.space.root
-        if root not in self.space.whole or not any(c.joint == root for s in self.roles.spans for c in s.synthesize):
+        if not any(c.joint == root and c.is_rotation for span in self.roles.spans for c in span.synthesize):
             return joined
+        if root not in self.space.whole:
+            return self._keep_yaw_angle(joined)
         rotations = np.array(joined.rotations)
         column = self.space.whole.index(root)
         yaw_of = self.sketch.rotations[:, root]
         rotations[:, column] = replace_yaw(rotations[:, column], yaw_of, self.sketch.clip.skeleton.up)
         return replace(joined, rotations=rotations)
+
+    def _keep_yaw_angle(self, joined: Copied) -> Copied:
+        """The same for a root copied in single angles: the outermost is its turn about up."""
+        axis = self.space.orders[self.space.root][0].lower()
+        upright = abs(self.sketch.clip.skeleton.up["xyz".index(axis)]) > 1.0 - 1e-6
+        yaw = [upright and channel == Channel(self.space.root, f"r{axis}") for channel in self.space.single]
+        return replace(joined, curves=np.where(yaw, self._own.curves, joined.curves))
+
+    def _on_nearest_turn(self, joined: Copied) -> Copied:
+        """Bring single angles to the sketch's turn, or one that ramps in or out would go round on the way."""
+        weights = self.synthesized[:, 3 * len(self.space.whole) :]
+        ramps = (weights > 0.0) & (weights < 1.0)
+        gap = np.sum((self._own.curves - joined.curves) * ramps, axis=0) / np.maximum(ramps.sum(axis=0), 1)
+        shift = np.where(self.space.turning, 360.0 * np.round(gap / 360.0), 0.0)
+        return replace(joined, curves=joined.curves + shift)
 
     def _combine(self, path: FloatArray) -> FloatArray:
         """Texture and synthesize the sketch's curves from the joined path, shape [F, C]."""

@@ -15,6 +15,8 @@ pose.
 
 import itertools
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +27,7 @@ __all__ = ["TURN_LIMIT", "blend_weights", "join_curves", "join_rotations"]
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+IntArray = npt.NDArray[np.intp]
 
 # Near a join no joint turns faster than this times what the fragments and their gaps account for.
 TURN_LIMIT = 1.2
@@ -42,12 +45,20 @@ def _reach(left: FloatArray, right: FloatArray, join_frames: int) -> int:
     return min(join_frames, (min(len(left), len(right)) - 1) // 2)
 
 
-def _fit_quadratic(curves: FloatArray, reach: int) -> FloatArray:
-    """Fit a quadratic to the frames with 2 <= |t| <= N and give it at t = -N..N; curves [2N + 1, C]."""
+def _fit_quadratic(curves: FloatArray) -> FloatArray:
+    """Fit a quadratic to the frames with 2 <= |t| <= N and give it at t = -N..N; curves [..., 2N + 1, C]."""
+    return _quadratic_fit(curves.shape[-2] // 2) @ curves
+
+
+@lru_cache(maxsize=64)
+def _quadratic_fit(reach: int) -> FloatArray:
+    """The fit as a matrix, shape [2N + 1, 2N + 1]: it is the same for all joins of a reach."""
     t = np.arange(-reach, reach + 1, dtype=np.float64)
     powers = np.vander(t, 3)
     used = np.abs(t) >= 2.0
-    return np.asarray(powers @ np.linalg.lstsq(powers[used], curves[used], rcond=None)[0])
+    fit = np.zeros((len(t), len(t)))
+    fit[:, used] = powers @ np.linalg.pinv(powers[used])
+    return fit
 
 
 def join_curves(
@@ -84,7 +95,7 @@ def join_curves(
         reach = _reach(left, right, join_frames)
         if reach >= _LEAST_REACH and not follows:
             window = joined[join - reach : join + reach + 1]
-            window += blend_weights(reach)[:, None] * (_fit_quadratic(window, reach) - window)
+            window += blend_weights(reach)[:, None] * (_fit_quadratic(window) - window)
     return joined
 
 
@@ -131,60 +142,89 @@ def join_rotations(fragments: Sequence[FloatArray], continued: BoolArray, join_f
     The quadratic is let in only as far as no joint turns faster, within N of the join, than `TURN_LIMIT` times the
     fastest turn of its stretched fragment plus half the gaps at the fragment's two joins spread over its frames.
     """
-    meeting = [quaternion.midpoint(a[-1], b[0]) for a, b in itertools.pairwise(fragments)]
-    firsts, lasts = [fragments[0][0], *meeting], [*meeting, fragments[-1][-1]]
-    displacements = [_end_turns(f, a, b) for f, a, b in zip(fragments, firsts, lasts, strict=True)]
-    moved = [_turn_ends(f, d) for f, d in zip(fragments, displacements, strict=True)]
-    limits = [_turn_limit(f, d) for f, d in zip(fragments, displacements, strict=True)]
-    joined = quaternion.unroll(_concatenate(moved))
-    join = 0
-    for number, follows in enumerate(continued):
-        left, right = moved[number], moved[number + 1]
-        join += len(left) - 1
-        reach = _reach(left, right, join_frames)
-        if reach >= _LEAST_REACH and not follows:
-            window = slice(join - reach, join + reach + 1)
-            joined[window] = _smooth_join(joined[window], reach, limits[number], limits[number + 1])
+    strip = _Strip.of_fragments(fragments)
+    joined = quaternion.unroll(strip.once(strip.moved))
+    pairs = zip(fragments[:-1], fragments[1:], continued, strict=True)
+    reaches = np.array([0 if follows else _reach(left, right, join_frames) for left, right, follows in pairs])
+    _smooth_joins(joined, strip.lasts[:-1] - np.arange(len(reaches)), reaches, strip.turn_limits())
     return joined
 
 
-def _end_turns(fragment: FloatArray, first: FloatArray, last: FloatArray) -> FloatArray:
-    """Rotation vectors that take the fragment's ends to the new ones, shape [2, J, 3]."""
-    old = fragment[[0, -1]]
-    return quaternion.log(quaternion.multiply(quaternion.conjugate(old), np.stack([first, last])))
+@dataclass(frozen=True, eq=False)
+class _Strip:
+    """Fragments of rotations end to end, N frames with the shared ones twice, so that all are worked on at once.
+
+    Parameters
+    ----------
+    frames
+        Shape [N, J, 4].
+    firsts, lasts
+        Where in the strip each fragment begins and ends, shape [Q].
+    displacements
+        Rotation vectors that take each fragment's first and last frame to where it meets its neighbours,
+        shape [2, Q, J, 3].
+    """
+
+    frames: FloatArray
+    firsts: IntArray
+    lasts: IntArray
+    displacements: FloatArray
+
+    @classmethod
+    def of_fragments(cls, fragments: Sequence[FloatArray]) -> "_Strip":
+        frames = np.concatenate(fragments)
+        lasts = np.cumsum([len(fragment) for fragment in fragments]) - 1
+        firsts = np.concatenate([[0], lasts[:-1] + 1])
+        meeting = quaternion.midpoint(frames[lasts[:-1]], frames[firsts[1:]])
+        old = np.stack([frames[firsts], frames[lasts]])
+        new = np.stack([np.concatenate([frames[:1], meeting]), np.concatenate([meeting, frames[-1:]])])
+        return cls(frames, firsts, lasts, quaternion.log(quaternion.multiply(quaternion.conjugate(old), new)))
+
+    @property
+    def moved(self) -> FloatArray:
+        """Every frame turned by the displacement, running evenly from its fragment's first to its last, [N, J, 4]."""
+        lengths = self.lasts - self.firsts
+        owner = np.repeat(np.arange(len(lengths)), lengths + 1)
+        along = ((np.arange(len(self.frames)) - self.firsts[owner]) / lengths[owner])[:, None, None]
+        turns = (1.0 - along) * self.displacements[0, owner] + along * self.displacements[1, owner]
+        return quaternion.multiply(self.frames, quaternion.exp(turns))
+
+    def turn_limits(self) -> FloatArray:
+        """Fastest turn allowed in each fragment per joint, radians per frame, shape [Q, J]."""
+        speeds = quaternion.angle_between(self.frames[:-1], self.frames[1:])
+        speeds[self.lasts[:-1]] = 0.0  # from one fragment to the next
+        fastest = np.maximum.reduceat(speeds, self.firsts, axis=0)
+        half_gaps = np.linalg.norm(self.displacements, axis=-1).sum(axis=0)
+        return np.asarray(TURN_LIMIT * (fastest + half_gaps / (self.lasts - self.firsts)[:, None]))
+
+    def once(self, frames: FloatArray) -> FloatArray:
+        """Drop the second of each two frames that are shared, [N, ...] to [F, ...]."""
+        return np.delete(frames, self.firsts[1:], axis=0)
 
 
-def _turn_ends(fragment: FloatArray, displacement: FloatArray) -> FloatArray:
-    """Turn every frame by the displacement, running evenly from the first end's to the last end's."""
-    if not displacement.any():
-        return fragment
-    along = np.linspace(0.0, 1.0, len(fragment))[:, None, None]
-    turns = (1.0 - along) * displacement[0] + along * displacement[1]
-    return quaternion.multiply(fragment, quaternion.exp(turns))
+def _smooth_joins(joined: FloatArray, frames: IntArray, reaches: IntArray, limits: FloatArray) -> None:
+    """Smooth in place around the joins at some frames, those of one reach at once; limits per fragment, [Q, J]."""
+    for reach in np.unique(reaches[reaches >= _LEAST_REACH]):
+        which = np.flatnonzero(reaches == reach)
+        windows = frames[which, None] + np.arange(-reach, reach + 1)
+        limit = np.repeat(np.stack([limits[which], limits[which + 1]], axis=-1), reach, axis=-1)
+        rows = np.swapaxes(joined[windows], 1, 2)
+        smooth = _blend_quadratic(rows.reshape(-1, *rows.shape[2:]), limit.reshape(-1, 2 * reach))
+        joined[windows] = np.swapaxes(smooth.reshape(rows.shape), 1, 2)
 
 
-def _turn_limit(fragment: FloatArray, displacement: FloatArray) -> FloatArray:
-    """Fastest turn allowed per joint, radians per frame, shape [J]."""
-    fastest = quaternion.angle_between(fragment[:-1], fragment[1:]).max(axis=0)
-    half_gaps = np.linalg.norm(displacement, axis=-1).sum(axis=0)
-    return np.asarray(TURN_LIMIT * (fastest + half_gaps / (len(fragment) - 1)))
-
-
-def _smooth_join(window: FloatArray, reach: int, left_limit: FloatArray, right_limit: FloatArray) -> FloatArray:
-    """Blend the quadratic into the frames around a join; window [2N + 1, J, 4]."""
-    centre = window[reach]
-    curves = quaternion.log(quaternion.multiply(quaternion.conjugate(centre), window))
-    fitted = _fit_quadratic(curves.reshape(len(window), -1), reach).reshape(curves.shape)
-    change = blend_weights(reach)[:, None, None] * (fitted - curves)
-    limit = np.concatenate([np.tile(left_limit, (reach, 1)), np.tile(right_limit, (reach, 1))])
-    result, open_joints = np.array(window), np.arange(window.shape[1])
+def _blend_quadratic(windows: FloatArray, limit: FloatArray) -> FloatArray:
+    """Blend the quadratic into the frames around joins as far as turns stay below limits; [M, 2N + 1, 4], [M, 2N]."""
+    reach = windows.shape[1] // 2
+    centre = windows[:, reach : reach + 1]
+    curves = quaternion.log(quaternion.multiply(quaternion.conjugate(centre), windows))
+    change = blend_weights(reach)[:, None] * (_fit_quadratic(curves) - curves)
+    result, left = np.array(windows), np.arange(len(windows))
     for part in _BLEND_STEPS:
-        turns = quaternion.exp(curves[:, open_joints] + part * change[:, open_joints])
-        smooth = quaternion.multiply(centre[open_joints], turns)
-        speeds = quaternion.angle_between(smooth[:-1], smooth[1:])
-        fits = (speeds <= limit[:, open_joints]).all(axis=0)
-        result[:, open_joints[fits]] = smooth[:, fits]
-        open_joints = open_joints[~fits]
-        if open_joints.size == 0:
+        smooth = quaternion.multiply(centre[left], quaternion.exp(curves[left] + part * change[left]))
+        fits = (quaternion.angle_between(smooth[:, :-1], smooth[:, 1:]) <= limit[left]).all(axis=1)
+        result[left[fits]] = smooth[fits]
+        left = left[~fits]
+        if left.size == 0:
             break
     return result

@@ -156,18 +156,19 @@ def _extend(
     count: int,
 ) -> _Layer:
     """Lengthen every partial path by every candidate and keep the cheapest `count` of distinct keys at each."""
-    totals = layer.cost[:, None] + join_costs[layer.candidate]
-    order = np.argsort(totals, axis=0, kind="stable")
+    totals = layer.cost + join_costs[layer.candidate].T
+    lefts, own_keys, joined = layer.candidate.tolist(), layer.key.tolist(), zero.tolist()
     rows: list[tuple[int, float, int, int]] = []
-    for right in range(len(node_costs)):
-        best: dict[int, tuple[float, int]] = {}
-        for entry in order[:, right].tolist():
-            left = int(layer.candidate[entry])
-            key = keys.extend(int(layer.key[entry]), position, left, right, joined=bool(zero[left, right]))
-            best.setdefault(key, (float(totals[entry, right]), entry))
+    for right, order in enumerate(np.argsort(totals, axis=1, kind="stable")):
+        best: dict[int, int] = {}
+        for entry in order.tolist():
+            left = lefts[entry]
+            key = keys.extend(own_keys[entry], position, left, right, joined=joined[left][right])
+            best.setdefault(key, entry)
             if len(best) == count:
                 break
-        rows += [(right, cost + float(node_costs[right]), key, entry) for key, (cost, entry) in best.items()]
+        costs = (totals[right, list(best.values())] + node_costs[right]).tolist()
+        rows += [(right, cost, key, entry) for (key, entry), cost in zip(best.items(), costs, strict=True)]
     columns = [np.array(column) for column in zip(*rows, strict=True)]
     return _Layer(*columns)
 

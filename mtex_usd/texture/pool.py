@@ -83,20 +83,20 @@ def build_pool(sketch: Motion, takes: Sequence[Motion], space: Space, matching: 
     InputError
         Where no take is long enough to have the band.
     """
-    usable = [
-        i for i, take in enumerate(takes) if band_limit(take.clip.frame_count) >= min(matching.band, _limit(sketch))
-    ]
+    # A sketch too short for any band is matched on its residual, for which a fragment's two frames will do.
+    least = 2 ** min(matching.band, _limit(sketch)) + 1
+    usable = [i for i, take in enumerate(takes) if take.clip.frame_count >= least]
     if not usable:
         longest = max(take.clip.frame_count for take in takes)
         raise InputError(
             f"{sketch.clip.name}: every take is too short for one fragment",
-            expected=f"{2**matching.band + 1} frames at {sketch.clip.rate:g} frames/s for band {matching.band}",
+            expected=f"{least} frames at {sketch.clip.rate:g} frames/s for band {matching.band}",
             found=f"{longest} at the most",
         )
     clips = [sketch, *(takes[i] for i in usable)]
     curves = _match_curves(clips, space, matching.match)
     measured = [_measure(c, clip, space, matching, recipe) for c, clip in zip(curves, clips, strict=True)]
-    bands = [_break_band(clip, space, matching) for clip in clips]
+    bands = [_break_band(m, clip, space, matching) for m, clip in zip(measured, clips, strict=True)]
     dead_band = DEAD_BAND * max(float(np.ptp(band)) for band in bands)
     turns = [find_turns(band, dead_band) for band in bands]
     pooled, fragments, owner, starts = _lay_end_to_end(measured[1:], turns[1:])
@@ -116,8 +116,10 @@ def _limit(sketch: Motion) -> int:
     return band_limit(sketch.clip.frame_count)
 
 
-def _break_band(clip: Motion, space: Space, matching: Matching) -> FloatArray:
+def _break_band(measured: Features, clip: Motion, space: Space, matching: Matching) -> FloatArray:
     """The band whose turns cut a clip, shape [F]."""
+    if matching.break_channel in matching.match:
+        return measured.band[:, matching.match.index(matching.break_channel)]
     curve = space.read_channel(clip, matching.break_channel)[:, None]
     return decompose(curve).band(matching.band)[:, 0]
 

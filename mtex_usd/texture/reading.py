@@ -120,7 +120,7 @@ def read_takes(
             lacking |= missing
             notes.append(f"take {take.name} is left out: it has no {_names(missing, sketch)}")
             continue
-        own_root = found.get(root, find_root(take) or 0)
+        own_root = found[root] if root in found else find_root(take) or 0
         indices = None if take.joints == sketch.joints else found
         motions.append(_read(take, root, own_root, heading_band, indices, len(sketch.joints)))
     if not motions:

@@ -101,7 +101,8 @@ def ramp(steps: FloatArray, frames: int) -> FloatArray:
     margin = len(window) // 2
     padded = np.pad(steps, ((margin, margin), (0, 0)), mode="edge")
     smooth = [np.convolve(column, window / window.sum(), mode="valid") for column in padded.T]
-    return np.asarray(np.clip(np.stack(smooth, axis=1), 0.0, 1.0))
+    # Rounded, so that all and nothing are exactly that.
+    return np.asarray(np.clip(np.round(np.stack(smooth, axis=1), 12), 0.0, 1.0))
 
 
 def resolve_roles(recipe: Recipe, sketch: Clip, animated: tuple[Channel, ...]) -> Roles:

@@ -135,9 +135,9 @@ class Space:
         local = to_local_rotations(rotations, sketch.clip.skeleton)
         touched = sorted({channel.joint for channel in self.channels if channel.is_rotation})
         result = np.array(sketch.clip.rotations)
-        result[:, touched] = local[:, touched]
-        translations = self._apply_translations(copied, sketch)
-        return replace(sketch.clip, rotations=quaternion.unroll(result), translations=translations)
+        # Only these are unrolled: the others keep their bits, signs included.
+        result[:, touched] = quaternion.unroll(local[:, touched])
+        return replace(sketch.clip, rotations=result, translations=self._apply_translations(copied, sketch))
 
     def _with_angles(self, copied: Copied, sketch: Motion, joint: int) -> FloatArray:
         angles = unrolled_angles(sketch.rotations[:, joint], self.orders[joint])

@@ -15,6 +15,7 @@ from typing import Literal
 from pxr import Sdf, Tf, UsdUtils
 
 from mtex_usd.errors import InputError
+from mtex_usd.usd.diagnostics import describe_error
 
 __all__ = ["check_target", "is_ours", "mark_layer", "write_layer"]
 
@@ -118,7 +119,7 @@ def write_layer(layer: Sdf.Layer, file_path: Path) -> None:
         temporary.replace(target)
         _sync(target.parent)
     except (OSError, Tf.ErrorException) as error:
-        raise InputError(f"cannot write {file_path}: {_reason(error)}") from error
+        raise InputError(f"cannot write {file_path}: {describe_error(error)}") from error
     finally:
         temporary.unlink(missing_ok=True)
     _reload_held(target)
@@ -162,7 +163,3 @@ def _reload_held(file_path: Path) -> None:
 def _real_path(file_path: Path) -> Path:
     # Through links: replacing the link itself would leave the file it names untouched.
     return Path(os.path.realpath(file_path))
-
-
-def _reason(error: Exception) -> str:
-    return " ".join(str(error).split())

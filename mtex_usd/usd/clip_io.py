@@ -1,7 +1,7 @@
 """Clips out of stages and into files."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +13,12 @@ from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import FloatArray, Skeleton
 from mtex_usd.usd.animation import sample_take, to_clip
 from mtex_usd.usd.atomic import check_target, mark_layer, write_layer
+from mtex_usd.usd.diagnostics import describe_error
 from mtex_usd.usd.names import make_prim_name, make_unique
 from mtex_usd.usd.schema import read_take_settings
-from mtex_usd.usd.skeletons import find_take_skeleton, make_bare_skeleton, read_skeleton
+from mtex_usd.usd.skeletons import find_bindings, find_take_skeleton, make_bare_skeleton, read_skeleton
 
-__all__ = ["read_clip", "read_take", "write_clip"]
+__all__ = ["ClipReader", "read_clip", "write_clip"]
 
 _FILE_ENDING = re.compile(r"\.[A-Za-z]\w*$")
 _STAGE_AXES = {UsdGeom.Tokens.y: np.array([0.0, 1.0, 0.0]), UsdGeom.Tokens.z: np.array([0.0, 0.0, 1.0])}
@@ -63,38 +64,53 @@ def read_clip(stage_or_file: Usd.Stage | str | Path, prim_path: str) -> Clip:
             expected="the path of a SkelAnimation",
             fix=f"There are: {', '.join(there_are) or 'none'}.",
         )
-    return read_take(stage, prim)
+    return ClipReader(stage).read_take(prim)
 
 
-def read_take(
-    stage: Usd.Stage, prim: Usd.Prim, *, bindings: Mapping[Sdf.Path, Sequence[Usd.Prim]] | None = None
-) -> Clip:
-    """Read a take on all joints of its skeleton, at its own rate and within its usable range.
+class ClipReader:
+    """Reads what belongs to the clips of one stage; walks the stage and reads each Skeleton once.
 
     Parameters
     ----------
     stage
-        The composed stage.
-    prim
-        A SkelAnimation.
-    bindings
-        What :func:`mtex_usd.usd.skeletons.find_bindings` found, to spare walking the stage once per take.
-
-    Returns
-    -------
-    Clip
-        Named as the prim's path.
-
-    Raises
-    ------
-    InputError, StageError
-        As :func:`read_clip`.
+        The composed stage, which must not change meanwhile.
     """
-    settings = read_take_settings(prim)
-    samples = sample_take(stage, prim, settings)
-    skeleton_prim = find_take_skeleton(prim, settings, bindings=bindings)
-    skeleton = read_skeleton(skeleton_prim) if skeleton_prim else make_bare_skeleton(samples, stage)
-    return to_clip(samples, skeleton)
+
+    def __init__(self, stage: Usd.Stage) -> None:
+        self._stage = stage
+        self._bindings = find_bindings(stage)
+        self._skeletons: dict[Sdf.Path, Skeleton] = {}
+
+    def read_skeleton(self, prim: Usd.Prim) -> Skeleton:
+        """Read a Skeleton prim, as :func:`mtex_usd.usd.skeletons.read_skeleton`; the same prim, the same object."""
+        prim_path = prim.GetPath()
+        if prim_path not in self._skeletons:
+            self._skeletons[prim_path] = read_skeleton(prim)
+        return self._skeletons[prim_path]
+
+    def read_take(self, prim: Usd.Prim) -> Clip:
+        """Read a take on all joints of its skeleton, at its own rate and within its usable range.
+
+        Parameters
+        ----------
+        prim
+            A SkelAnimation.
+
+        Returns
+        -------
+        Clip
+            Named as the prim's path.
+
+        Raises
+        ------
+        InputError, StageError
+            As :func:`read_clip`.
+        """
+        settings = read_take_settings(prim)
+        samples = sample_take(self._stage, prim, settings)
+        bound = find_take_skeleton(prim, settings, bindings=self._bindings)
+        skeleton = self.read_skeleton(bound) if bound else make_bare_skeleton(samples, self._stage)
+        return to_clip(samples, skeleton)
 
 
 def _open_stage(file_path: Path) -> Usd.Stage:
@@ -103,7 +119,7 @@ def _open_stage(file_path: Path) -> Usd.Stage:
     try:
         return Usd.Stage.Open(str(file_path))
     except Tf.ErrorException as error:
-        raise InputError(f"cannot read {file_path}", found=" ".join(str(error).split())) from error
+        raise InputError(f"cannot read {file_path}", found=describe_error(error)) from error
 
 
 def write_clip(clip: Clip, file_path: str | Path, prim_path: str) -> str:

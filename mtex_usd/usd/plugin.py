@@ -63,7 +63,7 @@ def registration_status() -> Registration:
         registered=False,
         message=(
             "the mtex schemas were registered after USD built its schema registry, so this process does not know "
-            "MtexSketchAPI; recipes are read all the same. Import mtex_usd.usd before opening the first stage, or set "
+            "MtexSketchAPI; recipes are read all the same. Import mtex_usd before opening the first stage, or set "
             f"PXR_PLUGINPATH_NAME={plugin_path()}"
         ),
     )

@@ -15,11 +15,10 @@ from mtex_usd.texture.recipe import Recipe
 from mtex_usd.texture.result import TexturedMotion, Variant
 from mtex_usd.usd.animation import AnimationSamples, fill_missing, sample_sketch, to_clip
 from mtex_usd.usd.characters import Character, find_characters
-from mtex_usd.usd.clip_io import read_take
+from mtex_usd.usd.clip_io import ClipReader
 from mtex_usd.usd.override import CharacterResult, VariantSamples
 from mtex_usd.usd.recipe_targets import find_sketches, find_takes
 from mtex_usd.usd.schema import read_recipe
-from mtex_usd.usd.skeletons import find_bindings, read_skeleton
 
 __all__ = ["Cast", "Job", "build_result", "describe_variant", "find_cast", "read_jobs"]
 
@@ -86,19 +85,19 @@ def read_jobs(stage: Usd.Stage, characters: Sequence[Character]) -> Iterator[Job
     InputError, StageError
         Whatever is wrong with a recipe, a sketch, a take or a skeleton, naming its prim.
     """
-    bindings = find_bindings(stage)
+    reader = ClipReader(stage)
     takes: dict[tuple[Sdf.Path, float], Clip] = {}
     for character in characters:
         prim = stage.GetPrimAtPath(character.animation)
-        skeleton = read_skeleton(stage.GetPrimAtPath(character.skeletons[0]))
+        skeleton = reader.read_skeleton(stage.GetPrimAtPath(character.skeletons[0]))
         samples = fill_missing(sample_sketch(stage, prim), skeleton)
         if len(samples.time_codes) < 2:
             raise StageError(f"{prim.GetPath()} is a single pose", expected="a sketch of at least two frames")
-        for take in find_takes(stage, prim):
-            key = (take.GetPath(), samples.rate)
+        keys = [(take.GetPath(), samples.rate) for take in find_takes(stage, prim)]
+        for key in keys:
             if key not in takes:
-                takes[key] = resample_clip(read_take(stage, take, bindings=bindings), samples.rate)
-        used = tuple(takes[take.GetPath(), samples.rate] for take in find_takes(stage, prim))
+                takes[key] = resample_clip(reader.read_take(stage.GetPrimAtPath(key[0])), samples.rate)
+        used = tuple(takes[key] for key in keys)
         yield Job(character, samples, to_clip(samples, skeleton), used, read_recipe(prim))
 
 

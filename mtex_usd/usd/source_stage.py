@@ -10,6 +10,7 @@ from pathlib import Path
 from pxr import Sdf, Tf, Usd
 
 from mtex_usd.errors import InputError
+from mtex_usd.usd.diagnostics import describe_error
 
 __all__ = ["SourceStage", "layer_kind", "open_source"]
 
@@ -83,11 +84,12 @@ def _sublayers_of(thin_root: Sdf.Layer) -> tuple[Path, Path]:
 
 def _open_layer(file_path: Path) -> Sdf.Layer:
     if not file_path.is_file():
-        raise InputError(f"cannot open {file_path}", expected="a USD file", found="no such file")
+        found = "a folder" if file_path.is_dir() else "no such file"
+        raise InputError(f"cannot open {file_path}", expected="a USD file", found=found)
     try:
         layer = Sdf.Layer.FindOrOpen(str(file_path))
     except Tf.ErrorException as error:
-        raise InputError(f"cannot read {file_path}: {' '.join(str(error).split())}") from error
+        raise InputError(f"cannot read {file_path}: {describe_error(error)}") from error
     if not layer:
         raise InputError(f"cannot read {file_path}", expected="a USD file")
     return layer

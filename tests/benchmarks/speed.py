@@ -2,8 +2,8 @@
 
 ``python -m tests.benchmarks.speed`` prints, for takes recorded at 24 and at 120 frames a second,
 
-- `process` on a 440-frame, 31-joint sketch with 12 takes and 5 variants, everything imported, against a bare function that
-  opens the stage, reads the same arrays with ``Attribute.Get`` and writes as many samples with ``SetTimeSample``;
+- `process` on a 440-frame, 31-joint sketch with 12 takes and 5 variants, everything imported, against a bare function
+  that opens the stage, reads the same arrays with ``Attribute.Get`` and writes as many samples with ``SetTimeSample``;
 - ``usdmtex --help`` against importing ``pxr.Usd`` and ``numpy``.
 
 Runs of the two alternate, so that both meet the same load; what counts is the ratio of their medians.
@@ -138,7 +138,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         results.append((f"process / bare copy, takes at {take_rate:g} a second", found, PROCESS_LIMIT))
     for what, found, limit in results:
         verdict = "ok" if found.ratio <= limit else "ABOVE"
-        print(f"{what}: {found.measured:.3f} s / {found.yardstick:.3f} s = {found.ratio:.2f} (limit {limit:g}) {verdict}")
+        times = f"{found.measured:.3f} s / {found.yardstick:.3f} s"
+        print(f"{what}: {times} = {found.ratio:.2f} (limit {limit:g}) {verdict}")
     return int(any(found.ratio > limit for _, found, limit in results))
 
 

@@ -1,8 +1,10 @@
 """Pullen & Bregler 2002, figure 7, the paper's own example of choosing paths.
 
-Four sketch fragments, three candidates each, closest first; numbers are fragments of the take in order of time, so n and
+Four sketch fragments, three candidates each, closest first; numbers are fragments of the take in order of time: n and
 n + 1 are consecutive. Rank stands for distance. Section 3.3 names the three best paths: 4-5-6-2, 4-5-4-5 and 1-2-4-5.
 """
+
+import itertools
 
 import numpy as np
 import pytest
@@ -22,7 +24,7 @@ PRINTED = [
 
 
 def consecutive():
-    return [[[b == a + 1 for b in right] for a in left] for left, right in zip(CANDIDATES, CANDIDATES[1:], strict=False)]
+    return [[[b == a + 1 for b in right] for a in left] for left, right in itertools.pairwise(CANDIDATES)]
 
 
 def find(count):

@@ -1,5 +1,7 @@
 """Laws of joining that hold for every path."""
 
+import itertools
+
 import numpy as np
 from hypothesis import assume, given
 from hypothesis import strategies as st
@@ -19,8 +21,10 @@ def random_lengths(rng, count):
 
 
 def random_fragments(rng, count):
-    return [np.cumsum(rng.standard_normal((n, 2)), axis=0) + 30.0 * rng.standard_normal(2) for n in
-            random_lengths(rng, count)]  # fmt: skip
+    return [
+        np.cumsum(rng.standard_normal((n, 2)), axis=0) + 30.0 * rng.standard_normal(2)
+        for n in random_lengths(rng, count)
+    ]
 
 
 def random_rotation_fragments(rng, count, joints, speed):
@@ -56,7 +60,7 @@ def test_consecutive_fragments_come_back_bit_for_bit(seed, count, join_frames):
     rng = np.random.default_rng(seed)
     breaks = np.concatenate([[0], np.cumsum(random_lengths(rng, count) - 1)])
     curve = np.cumsum(rng.standard_normal((breaks[-1] + 1, 2)), axis=0)
-    fragments = [curve[a : b + 1] for a, b in zip(breaks[:-1], breaks[1:], strict=True)]
+    fragments = [curve[a : b + 1] for a, b in itertools.pairwise(breaks)]
     joined = join_curves(fragments, np.ones(count - 1, dtype=bool), join_frames, **plain(2))
     np.testing.assert_array_equal(joined, curve)
 
@@ -69,7 +73,7 @@ def test_consecutive_rotations_come_back_to_rounding(seed, count, join_frames):
     take = steps.copy()
     for frame in range(1, len(take)):
         take[frame] = quaternion.multiply(take[frame - 1], steps[frame])
-    fragments = [take[a : b + 1] for a, b in zip(breaks[:-1], breaks[1:], strict=True)]
+    fragments = [take[a : b + 1] for a, b in itertools.pairwise(breaks)]
     joined = join_rotations(fragments, np.ones(count - 1, dtype=bool), join_frames)
     assert quaternion.angle_between(joined, take).max() < 1e-7
     np.testing.assert_allclose(np.abs(np.sum(joined * take, axis=-1)), 1.0, atol=1e-12)
@@ -89,7 +93,7 @@ def test_rotations_meet_half_way_where_nothing_is_blended(seed, count, join_fram
     fragments = random_rotation_fragments(rng, count, 2, 0.1)
     joined = join_rotations(fragments, np.zeros(count - 1, dtype=bool), join_frames)
     at = 0
-    for left, right in zip(fragments[:-1], fragments[1:], strict=True):
+    for left, right in itertools.pairwise(fragments):
         at += len(left) - 1
         gap = quaternion.angle_between(left[-1], right[0])
         # Half way is not unique for turns half a circle apart.
@@ -105,7 +109,7 @@ def test_no_joint_turns_faster_near_a_join_than_its_fragments_and_gaps_account_f
     fragments = random_rotation_fragments(rng, count, 3, speed)
     joined = join_rotations(fragments, np.zeros(count - 1, dtype=bool), join_frames)
     turns = quaternion.angle_between(joined[:-1], joined[1:])
-    gaps = [quaternion.angle_between(a[-1], b[0]) for a, b in zip(fragments[:-1], fragments[1:], strict=True)]
+    gaps = [quaternion.angle_between(a[-1], b[0]) for a, b in itertools.pairwise(fragments)]
     gaps = [np.zeros(3), *gaps, np.zeros(3)]
     at = 0
     for number, fragment in enumerate(fragments):
@@ -133,7 +137,7 @@ def test_turning_a_whole_path_commutes_with_joining(seed, count, join_frames):
     """Rotations are composed, not added: no axis is special."""
     rng = np.random.default_rng(seed)
     fragments = random_rotation_fragments(rng, count, 1, 0.1)
-    gaps = [quaternion.angle_between(a[-1], b[0]) for a, b in zip(fragments[:-1], fragments[1:], strict=True)]
+    gaps = [quaternion.angle_between(a[-1], b[0]) for a, b in itertools.pairwise(fragments)]
     assume(np.max(gaps) < np.pi - 1e-3)
     turn = quaternion.normalize(rng.standard_normal(4))
     apart = np.zeros(count - 1, dtype=bool)

@@ -38,9 +38,7 @@ def test_equals_the_slow_twin(seed, channels, count, max_stretch):
     found = match_fragments(sketch, own, pool, taken, candidates=count, max_stretch=max_stretch)
     assert len(found) == len(own)
     for fragment, match in zip(own.tolist(), found, strict=True):
-        expected, lifted = twin.match(
-            as_lists(sketch), fragment, as_lists(pool), taken.tolist(), count, max_stretch
-        )
+        expected, lifted = twin.match(as_lists(sketch), fragment, as_lists(pool), taken.tolist(), count, max_stretch)
         assert match.fragments.tolist() == [index for _, index in expected]
         np.testing.assert_allclose(match.distances, [distance for distance, _ in expected], rtol=1e-9)
         assert match.stretch_lifted == lifted

@@ -1,5 +1,7 @@
 """The path search finds what listing every path finds."""
 
+import itertools
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,7 +23,7 @@ class Case:
         rng = np.random.default_rng(seed)
         sizes = rng.integers(1, most + 1, size=positions)
         self.distances = [rng.uniform(0.0, 100.0, size=size) for size in sizes]
-        shapes = list(zip(sizes[:-1], sizes[1:], strict=True))
+        shapes = list(itertools.pairwise(sizes))
         self.consecutive = [rng.random(shape) < likely for shape in shapes]
         self.gaps = [rng.uniform(0.0, 50.0, size=shape) for shape in shapes]
         self.lengths = rng.integers(2, 30, size=positions).tolist()

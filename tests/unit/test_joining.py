@@ -14,9 +14,7 @@ def column(*values):
 
 
 def join(fragments, continued=APART, join_frames=0, *, turning=False, sliding=False):
-    joined = join_curves(
-        fragments, continued, join_frames, turning=np.array([turning]), sliding=np.array([sliding])
-    )
+    joined = join_curves(fragments, continued, join_frames, turning=np.array([turning]), sliding=np.array([sliding]))
     return joined[:, 0]
 
 

@@ -67,9 +67,13 @@ def test_slopes_count_as_much_as_they_are_weighted():
 
 def test_a_fragment_of_two_frames_matches():
     (match,) = match_fragments(
-        plain([0.0, 1.0]), np.array([[0, 1]]), plain([5.0, 0.0, 0.5, 1.0]), np.array([[0, 1], [1, 3]]),
-        candidates=1, max_stretch=4.0,
-    )  # fmt: skip
+        plain([0.0, 1.0]),
+        np.array([[0, 1]]),
+        plain([5.0, 0.0, 0.5, 1.0]),
+        np.array([[0, 1], [1, 3]]),
+        candidates=1,
+        max_stretch=4.0,
+    )
     assert match.fragments.tolist() == [1]
     assert match.distances.tolist() == [0.0]
 

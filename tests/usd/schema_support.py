@@ -27,9 +27,14 @@ def open_sublayer(text: str, offset: Sdf.LayerOffset) -> Usd.Stage:
     return stage
 
 
-def run_python(code: str, *, folder: Path = PROJECT, plugin_folder: Path | None = None) -> str:
-    """Run code in a fresh process that knows our plugin only where told; gives what it prints."""
+def run_python(code: str, *, folder: Path = PROJECT, plugin_folder: Path | None = None, package: bool = False) -> str:
+    """Run code in a fresh process that knows our plugin only where told; gives what it prints.
+
+    With `package` it can import ours from any folder.
+    """
     environment = {name: value for name, value in os.environ.items() if name != "PXR_PLUGINPATH_NAME"}
+    if package:
+        environment["PYTHONPATH"] = str(PROJECT)
     if plugin_folder is not None:
         environment["PXR_PLUGINPATH_NAME"] = str(plugin_folder)
     done = subprocess.run(

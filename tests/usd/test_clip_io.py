@@ -8,7 +8,7 @@ from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import Skeleton
-from mtex_usd.usd.clip_io import read_clip, read_take, write_clip
+from mtex_usd.usd.clip_io import ClipReader, read_clip, write_clip
 from tests.usd.animation_support import JOINTS, author_animation, author_skeleton, new_layer, stage_of
 
 
@@ -165,7 +165,7 @@ class TestReadClip:
         stage = stage_of(layer)
         author_skeleton(stage, "/Rigs/A")
         author_skeleton(stage, "/Rigs/B", heights=(4, 5, 6))
-        clip = read_take(stage, stage.GetPrimAtPath("/Takes/walk"))
+        clip = ClipReader(stage).read_take(stage.GetPrimAtPath("/Takes/walk"))
         np.testing.assert_array_equal(clip.time_codes, np.arange(3, 10))
         np.testing.assert_array_equal(clip.skeleton.rest_translations[:, 1], [4, 5, 6])
         assert clip.name == "/Takes/walk"

@@ -1,8 +1,9 @@
 """The benchmark's cases: real captures, sketches made from them, and takes.
 
-Protocol: drop CMU's added first frame (07_12: the first three), resample the unrolled Euler curves and the root from 120 to 24
-frames/s with ``scipy.signal.resample_poly(x, 1, 5, padtype="line")``. The sketch is a cubic spline through every sixth frame
-and the last of root, hips, thighs, shins and feet; all else is identity. The takes are the other clips of the case.
+Protocol: drop CMU's added first frame (07_12: the first three), resample the unrolled Euler curves and the root from
+120 to 24 frames/s with ``scipy.signal.resample_poly(x, 1, 5, padtype="line")``. The sketch is a cubic spline through
+every sixth frame and the last of root, hips, thighs, shins and feet; all else is identity. The takes are the other
+clips of the case, unless it names its own.
 """
 
 from collections.abc import Iterable

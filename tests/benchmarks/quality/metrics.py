@@ -28,6 +28,7 @@ __all__ = [
     "pose_vectors",
     "position_error",
     "put_on_truth",
+    "remove_top_band",
     "score_variants",
     "third_difference",
     "variant_distance",
@@ -145,9 +146,17 @@ def npss(truth: FloatArray, result: FloatArray) -> float:
     return float(areas @ weights / weights.sum())
 
 
-def third_difference(vectors: FloatArray) -> float:
-    """Root mean square of the third difference, degrees per frame cubed; vectors [F, C]."""
-    return float(np.sqrt(np.square(np.diff(vectors, n=3, axis=0)).mean()))
+def third_difference(rotations: FloatArray) -> float:
+    """Root mean square of the third difference, degrees per frame cubed; rotations [F, J', 4].
+
+    The four rotation vectors of a difference are taken about the first of the four poses: about one mean pose for the
+    whole clip, an arm that swings a full turn from it would count as a jolt where there is none.
+    """
+    count = len(rotations) - 3
+    start = quaternion.conjugate(rotations[:count])
+    steps = [quaternion.log(quaternion.multiply(start, rotations[i : i + count])) for i in (1, 2, 3)]
+    difference = 3.0 * steps[0] - 3.0 * steps[1] + steps[2]
+    return float(np.degrees(np.sqrt(np.square(difference).mean())))
 
 
 def band_energy(vectors: FloatArray, first: int, last: int) -> float:
@@ -157,14 +166,30 @@ def band_energy(vectors: FloatArray, first: int, last: int) -> float:
 
 def detail_ratio(fold: Fold, result: Clip) -> float:
     """Energy of a result in bands 2 and 3 relative to the takes', every frame of a take counting alike."""
-    joints = joint_indices(fold.truth, fold.case.rig.synthesized)
-    means = quaternion.mean(np.concatenate([take.rotations[:, joint_indices(take, fold.case.rig.synthesized)] for take in fold.takes]))
+    names = fold.case.rig.synthesized
+    taken = [take.rotations[:, joint_indices(take, names)] for take in fold.takes]
+    means = quaternion.mean(np.concatenate(taken))
     energies = [
-        band_energy(pose_vectors(take, joint_indices(take, fold.case.rig.synthesized), means), *DETAIL_BANDS)
-        for take in fold.takes
+        band_energy(pose_vectors(take, joint_indices(take, names), means), *DETAIL_BANDS) for take in fold.takes
     ]
     usual = np.average(energies, weights=[take.frame_count for take in fold.takes])
-    return float(band_energy(pose_vectors(result, joints, means), *DETAIL_BANDS) / usual)
+    vectors = pose_vectors(result, joint_indices(result, names), means)
+    return float(band_energy(vectors, *DETAIL_BANDS) / usual)
+
+
+def remove_top_band(fold: Fold) -> Clip:
+    """The truth without band 1 of its synthesized joints: what a perfect result of the method would be."""
+    joints = joint_indices(fold.truth, fold.case.rig.synthesized)
+    means = quaternion.mean(fold.truth.rotations[:, joints])
+    smooth = decompose(pose_vectors(fold.truth, joints, means)).at_or_below(2)
+    rotations = np.array(fold.truth.rotations)
+    turns = quaternion.exp(np.radians(smooth).reshape(len(smooth), -1, 3))
+    rotations[:, joints] = quaternion.multiply(means, turns)
+    return replace(fold.truth, rotations=quaternion.unroll(rotations))
+
+
+def _synthesized_jerk(fold: Fold, clip: Clip) -> float:
+    return third_difference(clip.rotations[:, joint_indices(clip, fold.case.rig.synthesized)])
 
 
 def score_variants(fold: Fold, variants: Sequence[Clip]) -> Scores:
@@ -175,7 +200,7 @@ def score_variants(fold: Fold, variants: Sequence[Clip]) -> Scores:
         error=position_error(fold, best),
         angle=angular_error(fold, best),
         npss=npss(truth, result),
-        jerk=third_difference(result) / third_difference(decompose(truth).at_or_below(2)),
+        jerk=_synthesized_jerk(fold, best) / _synthesized_jerk(fold, remove_top_band(fold)),
         detail=detail_ratio(fold, best),
         spread=variant_distance(fold, variants),
         turn=largest_turn(fold, best),

@@ -10,7 +10,6 @@ from mtex_usd.errors import InputError
 from mtex_usd.formats.bvh import read_bvh
 from mtex_usd.formats.recording import FormatError, Recording
 from mtex_usd.texture.engine import texture_motion
-from mtex_usd.texture.recipe import Recipe
 from mtex_usd.texture.result import TexturedMotion, Variant
 from mtex_usd.usd.atomic import check_target
 from mtex_usd.usd.check import check_override
@@ -333,7 +332,7 @@ def _choose_target(source: SourceStage, asked: Path, out: str | Path | None) -> 
     is_thin_root = asked.resolve() != source.source_path.resolve()
     if is_thin_root and source.previous_override is not None:
         return source.previous_override
-    return source.source_path.with_name(f"{source.source_path.stem}.mtex.usd")
+    return asked.with_name(f"{asked.stem}.mtex.usd")
 
 
 def _check_selection(select: str | None, motion: TexturedMotion) -> None:

@@ -140,7 +140,7 @@ def unroll(q: FloatArray) -> FloatArray:
 
 def unroll_vectors(v: FloatArray) -> FloatArray:
     """Choose turns so that consecutive rotation vectors along the first axis are nearest; shape [F, ..., 3]."""
-    if np.linalg.norm(np.diff(v, axis=0), axis=-1).max(initial=0.0) < np.pi:
+    if _length(np.diff(v, axis=0)).max(initial=0.0) < np.pi:
         return v
     out = np.array(v, dtype=np.float64)
     for i in range(1, len(out)):
@@ -158,12 +158,11 @@ def _unit(v: FloatArray) -> FloatArray:
 
 def mean(q: FloatArray) -> FloatArray:
     """Mean rotation over the first axis (chordal L2 mean), real part not negative; shape [F, J, 4] to [J, 4]."""
-    # An eigenvector: which of the two signs comes out is up to rounding, and would show in what is written.
-    means = [
-        Rotation.from_quat(q[:, j], scalar_first=True).mean().as_quat(canonical=True, scalar_first=True)
-        for j in range(q.shape[1])
-    ]
-    return np.reshape(np.array(means, dtype=np.float64), (q.shape[1], 4))
+    joints = np.swapaxes(q, 0, 1)
+    _, vectors = np.linalg.eigh(np.swapaxes(joints, 1, 2) @ joints)
+    means = vectors[..., -1]
+    # Which of the two signs an eigenvector has is up to rounding, and would show in what is written.
+    return np.where(means[:, :1] < 0.0, -means, means)
 
 
 def midpoint(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -234,7 +234,8 @@ class Finisher:
 
     def _combine(self, path: FloatArray) -> FloatArray:
         """Texture and synthesize the sketch's curves from the joined path, shape [F, C]."""
-        own, taken = self.sketch_bands, decompose(path)
+        lowest = max(self.roles.synthesis_band, *(span.texture_bands[1] for span in self.roles.spans))
+        own, taken = self.sketch_bands, decompose(path, most=lowest)
         sketch = own.bands.sum(axis=0) + own.residual
         synthesized = self.synthesized
         result = sketch + synthesized * (taken.at_or_below(self.roles.synthesis_band) - sketch)

@@ -139,7 +139,7 @@ def sample_take(stage: Usd.Stage, prim: Usd.Prim, settings: TakeSettings) -> Ani
         return _read_samples(prim, queries, np.array([pose_time]), times, frames)
     first = times[0] if settings.start is None else max(times[0], settings.start)
     last = times[-1] if settings.end is None else min(times[-1], settings.end)
-    usable = _times_within(_densest_times(queries), first, last, frames)
+    usable = _times_within(_densest_times(queries, times), first, last, frames)
     step = _recorded_step(usable, frames)
     if step is None:
         grid = _key_grid(prim, first, last, frames)
@@ -199,9 +199,11 @@ def _sample_times(queries: dict[str, Usd.AttributeQuery]) -> FloatArray:
     return np.array(Usd.AttributeQuery.GetUnionedTimeSamples(list(queries.values())), dtype=np.float64)
 
 
-def _densest_times(queries: dict[str, Usd.AttributeQuery]) -> FloatArray:
+def _densest_times(queries: dict[str, Usd.AttributeQuery], times: FloatArray) -> FloatArray:
     """Give the sample times of the attribute that has most: the others may be keyed at times of their own."""
     most = max(queries.values(), key=Usd.AttributeQuery.GetNumTimeSamples)
+    if most.GetNumTimeSamples() == len(times):
+        return times
     return np.array(most.GetTimeSamples(), dtype=np.float64)
 
 

@@ -1,5 +1,6 @@
 """Pictures to judge results by: stick figures in strobes from the side and the front, and curves over time."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -37,7 +38,7 @@ def draw_case(folds: Sequence[Fold], folder: Path, *, most: int = 2) -> list[Pat
     files = []
     for fold in folds[:most]:
         results = {name: run_method(fold, **SETTINGS[name]) for name in (LITERAL, DEFAULT)}
-        stem = f"{fold.case.name.split(',')[0].replace(' ', '_')}_{fold.truth.name}"
+        stem = re.sub(r"\W+", "_", f"{fold.case.name} {fold.truth.name}")
         files.append(draw_strip(fold, results, folder / f"{stem}_strip.png"))
         files.append(draw_curves(fold, results, folder / f"{stem}_curves.png"))
     return files
@@ -67,18 +68,25 @@ def _draw_figures(axis: Axes, clip: Clip, frames: npt.NDArray[np.intp], view: in
     """Figures side by side, each turned to face the same way."""
     positions = _facing_positions(clip)
     names = [joint.rpartition("/")[2].lower() for joint in clip.joints]
+    bones = [j for j, parent in enumerate(clip.parents) if parent >= 0 and not _is_finger(names[j])]
     for number, frame in enumerate(frames):
-        points = positions[frame]
-        across = points[:, 2] if view == 0 else points[:, 0]
-        for joint, parent in enumerate(clip.parents):
-            if parent >= 0 and not any(part in names[joint] for part in ("thumb", "finger", "index")):
-                side = LEFT if names[joint].startswith("l") and names[joint] != "lowerback" else MIDDLE
-                side = RIGHT if names[joint].startswith("r") and "root" not in names[joint] else side
-                side = MIDDLE if names[joint].startswith("lower") else side
-                axis.plot(across[[parent, joint]] + number * _SPACING, points[[parent, joint], 1], color=side, lw=1.8)
+        across = positions[frame, :, 2 if view == 0 else 0] + number * _SPACING
+        for joint in bones:
+            ends = [int(clip.parents[joint]), joint]
+            axis.plot(across[ends], positions[frame, ends, 1], color=_side_colour(names[joint]), lw=1.8)
         axis.text(number * _SPACING, -0.08, str(frame), ha="center", va="top", fontsize=8)
     axis.set_aspect("equal")
     axis.set_axis_off()
+
+
+def _is_finger(name: str) -> bool:
+    return any(part in name for part in ("thumb", "finger", "index"))
+
+
+def _side_colour(name: str) -> str:
+    if name.startswith("lower"):
+        return MIDDLE
+    return {"l": LEFT, "r": RIGHT}.get(name[0], MIDDLE)
 
 
 def _facing_positions(clip: Clip) -> FloatArray:
@@ -99,11 +107,13 @@ def draw_curves(fold: Fold, results: dict[str, TexturedMotion], file_path: Path)
     clips |= {name.split(":")[0]: result.variants[0].clip for name, result in results.items()}
     for axis, joint in zip(axes, joints, strict=False):
         _draw_joint(axis, fold, clips, joint)
-        _mark_joins(axis, results[DEFAULT], results[DEFAULT].variants[0])
+        _mark_joins(axis, results[DEFAULT].variants[0])
     _draw_bands(axes[len(joints) : len(joints) + 2], fold, clips, joints[0])
     _draw_fragments(axes[-2], fold, results[DEFAULT], joints[0])
     _draw_speeds(axes[-1], fold, clips)
-    _mark_joins(axes[-1], results[DEFAULT], results[DEFAULT].variants[0])
+    _mark_joins(axes[-1], results[DEFAULT].variants[0])
+    for axis in axes:
+        axis.set_xlim(0, fold.truth.frame_count - 1)
     axes[0].legend(loc="upper right", fontsize=8)
     figure.suptitle(
         f"{fold.case.name}: {fold.truth.name}; lines: breaks of the default, solid where a join is not consecutive"
@@ -159,11 +169,10 @@ def _draw_speeds(axis: Axes, fold: Fold, clips: dict[str, Clip]) -> None:
     axis.set_ylabel("fastest joint, °/frame")
 
 
-def _mark_joins(axis: Axes, result: TexturedMotion, variant: Variant) -> None:
+def _mark_joins(axis: Axes, variant: Variant) -> None:
     for left, right in zip(variant.fragments[:-1], variant.fragments[1:], strict=True):
         follows = left.take == right.take and left.take_end == right.take_start
         axis.axvline(left.end, color=FAINT, lw=1.2, ls=":" if follows else "-", zorder=0)
-    axis.set_xlim(0, result.breaks[-1])
 
 
 def _save(figure: plt.Figure, file_path: Path) -> Path:

@@ -11,7 +11,7 @@ import argparse
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 
@@ -23,18 +23,17 @@ from tests.benchmarks.quality.cases import CASES, HELD_OUT, Case, Fold, load_fol
 from tests.benchmarks.quality.metrics import (
     Scores,
     combine_scores,
-    position_error,
     remove_top_band,
     score_variants,
     variant_distance,
 )
 from tests.benchmarks.quality.settings import SETTINGS, run_method
+from tests.benchmarks.quality.sweep import sweep_report, write_table
 
-__all__ = ["case_table", "main", "sweep_table"]
+__all__ = ["case_table", "main"]
 
 Method = Callable[[Fold], Sequence[Clip]]
 
-PATH_WEIGHTS = (0.3, 1.0, 2.0, 3.0, 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 4.0, 5.0, 7.0, 10.0)
 # How far what UsdSkel plays may be from the arrays, metres: single precision, summed over a chain of joints.
 USD_TOLERANCE = 1e-4
 
@@ -66,34 +65,14 @@ def case_table(case: Case, folds: Sequence[Fold]) -> str:
     rows = {name: combine_scores([score_variants(f, method(f)) for f in folds]) for name, method in _methods().items()}
     limit = f", limit {case.limit:.3f} m" if np.isfinite(case.limit) else ""
     title = f"### {case.name}\n\nmatch {', '.join(case.match)}; band {case.band}; {len(folds)} clips{limit}\n"
-    return "\n".join([title, *_markdown(("method", *_HEADINGS), ((name, *_cells(s)) for name, s in rows.items())), ""])
+    return "\n".join(
+        [title, *write_table(("method", *_HEADINGS), ((name, *_cells(s)) for name, s in rows.items())), ""]
+    )
 
 
 def _cells(scores: Scores) -> list[str]:
     values = [getattr(scores, field.name) for field in fields(scores)]
     return ["" if np.isnan(v) else f"{v:.{digits}f}" for v, digits in zip(values, _DIGITS, strict=True)]
-
-
-def _markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    lines = [headings, ["---", *["---:"] * (len(headings) - 1)], *rows]
-    return [f"| {' | '.join(line)} |" for line in lines]
-
-
-def sweep_table(folds: Mapping[str, Sequence[Fold]], limits: Mapping[str, float]) -> str:
-    """Error of the first variant by path weight, as a markdown table; the last column says which limits hold."""
-    rows = []
-    for weight in PATH_WEIGHTS:
-        errors = {name: _mean_error(own, weight) for name, own in folds.items()}
-        held = [name for name, error in errors.items() if error <= limits[name]]
-        verdict = "all" if len(held) == len(folds) else ", ".join(held)
-        rows.append([f"{weight:g}", *(f"{error:.4f}" for error in errors.values()), verdict])
-    headings = ["pathWeight", *(f"{name} (≤ {limits[name]:g})" for name in folds), "limits that hold"]
-    return "\n".join(["### Sweep of pathWeight, error in m\n", *_markdown(headings, rows), ""])
-
-
-def _mean_error(folds: Sequence[Fold], weight: float) -> float:
-    results = [run_method(fold, path_weight=weight, paths=1).variants[0].clip for fold in folds]
-    return float(np.mean([position_error(f, clip) for f, clip in zip(folds, results, strict=True)]))
 
 
 def _check_usd(case: Case, folds: Sequence[Fold]) -> str:
@@ -138,8 +117,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.usd:
         report += [_check_usd(case, folds[case.name]) for case in CASES]
     if options.sweep:
-        limits = {case.name: case.limit for case in CASES}
-        report.append(sweep_table({name: folds[name] for name in limits}, limits))
+        report.append(sweep_report([folds[case.name] for case in CASES]))
     print("\n".join(report))
     if options.pictures:
         from tests.benchmarks.quality.pictures import draw_case

@@ -14,24 +14,17 @@ from mtex_usd.errors import InputError, MtexError, NoSolutionError, ResultError,
 from mtex_usd.plugin_path import announce_plugin as _announce_plugin
 
 if TYPE_CHECKING:
-    from mtex_usd.api import (
-        FailedFile,
-        ImportResult,
-        PathVariant,
-        Result,
-        import_takes,
-        process,
-        read_clip,
-        write_clip,
-    )
+    from mtex_usd.api import FailedFile, ImportResult, import_takes, process, read_clip, write_clip
     from mtex_usd.motion.clip import Clip
     from mtex_usd.motion.skeleton import Skeleton
+    from mtex_usd.results import Fragment, PathVariant, Result
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Clip",
     "FailedFile",
+    "Fragment",
     "ImportResult",
     "InputError",
     "MtexError",
@@ -49,9 +42,9 @@ __all__ = [
 
 _HOMES = {
     **dict.fromkeys(
-        ("FailedFile", "ImportResult", "PathVariant", "Result", "import_takes", "process", "read_clip", "write_clip"),
-        "mtex_usd.api",
+        ("FailedFile", "ImportResult", "import_takes", "process", "read_clip", "write_clip"), "mtex_usd.api"
     ),
+    **dict.fromkeys(("Fragment", "PathVariant", "Result"), "mtex_usd.results"),
     "Clip": "mtex_usd.motion.clip",
     "Skeleton": "mtex_usd.motion.skeleton",
 }

@@ -9,8 +9,9 @@ from typing import Any
 from mtex_usd.errors import InputError
 from mtex_usd.formats.bvh import read_bvh
 from mtex_usd.formats.recording import FormatError, Recording
+from mtex_usd.results import PathVariant, Result
 from mtex_usd.texture.engine import texture_motion
-from mtex_usd.texture.result import TexturedMotion, Variant
+from mtex_usd.texture.result import TexturedMotion
 from mtex_usd.usd.atomic import check_target
 from mtex_usd.usd.check import check_override
 from mtex_usd.usd.clip_io import read_clip, write_clip
@@ -24,9 +25,7 @@ from mtex_usd.usd.thin_root import thin_root_path
 __all__ = [
     "FailedFile",
     "ImportResult",
-    "PathVariant",
     "ProgressCallback",
-    "Result",
     "import_takes",
     "process",
     "read_clip",
@@ -171,82 +170,6 @@ def _check_failures(failures: list[FailedFile], *, strict: bool, any_good: bool)
         raise InputError(f"nothing written ({why}):\n  {listed}")
 
 
-@dataclass(frozen=True, eq=False)
-class PathVariant:
-    """One variant of a result; the names are those of its ``customData["mtex"]``.
-
-    Parameters
-    ----------
-    name
-        Name of the variant, such as ``path_01``.
-    motion
-        The motion itself with the joined path it was made from.
-    custom_data
-        What the variant carries in the layer.
-    """
-
-    name: str
-    motion: Variant
-    custom_data: dict[str, Any]
-
-    @property
-    def rank(self) -> int:
-        """1 is the best."""
-        return self.motion.rank
-
-    @property
-    def distance(self) -> float:
-        """Sum of the matching distances of its fragments."""
-        return self.motion.distance
-
-    @property
-    def zeroCostJoins(self) -> int:  # noqa: N802 - the name in the layer and in the JSON file
-        """How many joins were consecutive in their take."""
-        return self.motion.zero_cost_joins
-
-    @property
-    def rotationOrders(self) -> dict[str, str]:  # noqa: N802
-        """Euler order by joint path."""
-        return dict(self.custom_data["rotationOrders"])
-
-    @property
-    def fragments(self) -> list[dict[str, Any]]:
-        """Where each stretch comes from."""
-        return list(self.custom_data["fragments"])
-
-
-@dataclass(frozen=True, eq=False)
-class Result:
-    """What :func:`process` made of one sketch on one character; the names are those of the JSON file.
-
-    Parameters
-    ----------
-    anim
-        Path of the sketch.
-    model
-        Path of the prim with the variant set.
-    variantSet
-        Name of the variant set.
-    variants
-        Best first; ``original`` is not among them.
-    texturing
-        The joined paths and all else the method found, to check its laws by.
-    layer, stage
-        The files written; with ``dry_run`` those that would be.
-    notes
-        What a user should know.
-    """
-
-    anim: str
-    model: str
-    variantSet: str  # noqa: N815 - the name in the JSON file
-    variants: tuple[PathVariant, ...]
-    texturing: TexturedMotion
-    layer: Path
-    stage: Path
-    notes: tuple[str, ...]
-
-
 def process(
     stage_path: str | Path,
     *,
@@ -288,7 +211,8 @@ def process(
     InputError
         Options, channels, takes or files that are not right.
     StageError
-        No recipe, no animation, nothing to bind, or a stronger opinion in the way.
+        No recipe, no animation, nothing to bind, or a stronger opinion in the way. Of several sketches those that no
+        Skeleton can play are left out, and named in ``Result.left_out``, unless none is left.
     ResultError
         What was written does not read back as computed.
 
@@ -315,13 +239,13 @@ def process(
         _, root = write_override(source.stage, built, target, select=select, keep=cast.others)
         check_override(root, built)
     _report(progress, len(cast.wanted), len(cast.wanted), "")
-    return tuple(_describe(job, motion, target) for job, motion in finished)
+    return tuple(_describe(job, motion, target, cast.left_out) for job, motion in finished)
 
 
 def _recipe_overrides(paths: int | None, candidates: int | None, band: int | None) -> dict[str, Any]:
     given = {"paths": paths, "candidates": candidates, "match_band": band}
     for name, value in given.items():
-        if value is not None and value < 1:
+        if value is not None and not (isinstance(value, int) and value >= 1):
             raise InputError(f"bad {name}", expected="a whole number of at least 1", found=str(value))
     return {name: value for name, value in given.items() if value is not None}
 
@@ -341,7 +265,7 @@ def _check_selection(select: str | None, motion: TexturedMotion) -> None:
         raise InputError(f"{motion.sketch.name} gets no variant {select!r}", expected=f"one of {', '.join(names)}")
 
 
-def _describe(job: Job, motion: TexturedMotion, target: Path) -> Result:
+def _describe(job: Job, motion: TexturedMotion, target: Path, left_out: tuple[str, ...]) -> Result:
     names = variant_names(len(motion.variants))
     status = registration_status()
     return Result(
@@ -356,4 +280,5 @@ def _describe(job: Job, motion: TexturedMotion, target: Path) -> Result:
         layer=target,
         stage=thin_root_path(target),
         notes=motion.notes if status.registered else (*motion.notes, status.message),
+        left_out=left_out,
     )

@@ -7,8 +7,8 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from mtex_usd.api import Result
 from mtex_usd.errors import InputError
+from mtex_usd.results import Result
 
 __all__ = ["check_json_target", "write_json"]
 

@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mtex_usd.cli._progress import show_progress
-from mtex_usd.cli._run import run_command
+from mtex_usd.cli._run import report_error, run_command
 
 if TYPE_CHECKING:
-    from mtex_usd.api import Result
+    from mtex_usd.results import Result
 
 __all__ = ["main"]
 
 _NAME = "usdmtex"
+_EXIT_SOME_LEFT_OUT = 3
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -118,7 +119,9 @@ def _process(arguments: argparse.Namespace) -> int:
         write_json(arguments.json, results)
     if not arguments.quiet:
         _report(results, arguments)
-    return 0
+    for message in results[0].left_out:
+        report_error(_NAME, message)
+    return _EXIT_SOME_LEFT_OUT if results[0].left_out else 0
 
 
 def _report(results: "Sequence[Result]", arguments: argparse.Namespace) -> None:

@@ -30,6 +30,7 @@ __all__ = [
 
 KINDS = ("rx", "ry", "rz", "tx", "ty", "tz")
 _GROUPS = {"r": KINDS[:3], "t": KINDS[3:]}
+_ALL = slice(None)
 _GLOB_CHARACTERS = frozenset("*?[")
 
 # In this order of preference: the capture world's usual order first, so that recorded angles read as in their files.
@@ -131,10 +132,12 @@ def to_skeleton_rotations(rotations: FloatArray, skeleton: Skeleton) -> FloatArr
     return _turn_between(left, rotations, quaternion.conjugate(orientation))
 
 
-def to_local_rotations(rotations: FloatArray, skeleton: Skeleton) -> FloatArray:
-    """Invert :func:`to_skeleton_rotations`."""
-    orientation = skeleton.rest_orientations
-    left = quaternion.multiply(skeleton.rest_rotations, quaternion.conjugate(orientation))
+def to_local_rotations(
+    rotations: FloatArray, skeleton: Skeleton, *, joints: Sequence[int] | slice = _ALL
+) -> FloatArray:
+    """Invert :func:`to_skeleton_rotations`, for all joints or for the rotations of some of them."""
+    orientation = skeleton.rest_orientations[joints]
+    left = quaternion.multiply(skeleton.rest_rotations[joints], quaternion.conjugate(orientation))
     return _turn_between(left, rotations, orientation)
 
 
@@ -160,10 +163,12 @@ def to_skeleton_translations(translations: FloatArray, skeleton: Skeleton) -> Fl
     return _transform(translations - skeleton.rest_translations, turns)
 
 
-def to_local_translations(offsets: FloatArray, skeleton: Skeleton) -> FloatArray:
-    """Invert :func:`to_skeleton_translations`."""
-    turns = quaternion.rotate(quaternion.conjugate(_parent_orientations(skeleton)), np.eye(3)[:, None])
-    return _transform(offsets, turns) + skeleton.rest_translations
+def to_local_translations(
+    offsets: FloatArray, skeleton: Skeleton, *, joints: Sequence[int] | slice = _ALL
+) -> FloatArray:
+    """Invert :func:`to_skeleton_translations`, for all joints or for the offsets of some of them."""
+    turns = quaternion.rotate(quaternion.conjugate(_parent_orientations(skeleton)[joints]), np.eye(3)[:, None])
+    return _transform(offsets, turns) + skeleton.rest_translations[joints]
 
 
 def choose_euler_order(rotations: FloatArray, *, outermost: str = "") -> str:

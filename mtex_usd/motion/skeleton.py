@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -151,8 +151,7 @@ class Skeleton:
         FloatArray
             Positions in skeleton space, shape [..., N, 3].
         """
-        needed = sorted({above for joint in joints for above in self.chain(joint)})
-        part = replace(self, joints=tuple(self.joints[i] for i in needed), rest=self.rest[needed])
+        part, needed = _part_above(self, tuple(joints))
         positions, _ = part.world_pose(rotations[..., needed, :], translations[..., needed, :])
         return positions[..., [needed.index(joint) for joint in joints], :]
 
@@ -162,3 +161,11 @@ class Skeleton:
         while self.parents[chain[-1]] >= 0:
             chain.append(int(self.parents[chain[-1]]))
         return chain[::-1]
+
+
+@lru_cache(maxsize=64)
+def _part_above(skeleton: Skeleton, joints: tuple[int, ...]) -> tuple[Skeleton, list[int]]:
+    """Give the skeleton of some joints and all above them, and where its joints are in the whole."""
+    needed = sorted({above for joint in joints for above in skeleton.chain(joint)})
+    part = replace(skeleton, joints=tuple(skeleton.joints[i] for i in needed), rest=skeleton.rest[needed])
+    return part, needed

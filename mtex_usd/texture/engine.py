@@ -109,16 +109,15 @@ def _no_space(root: int) -> Space:
 def _build_space(roles: Roles, root: int, own: Motion, motions: Sequence[Motion]) -> Space:
     """Choose Euler orders for the joints read in angles, and centre the whole joints on their mean rotations."""
     space = Space.of_roles(roles, root, {})
-    joints = _joints_in_angles(roles, space)
+    joints = _turning_joints(roles)
     space = replace(space, orders=choose_orders(joints, [own, *motions], root))
     textured = any(span.texture for span in roles.spans)
     return space.centred_on([own, *motions] if textured else motions)
 
 
-def _joints_in_angles(roles: Roles, space: Space) -> list[int]:
-    """Joints whose channels are matched, cut at or copied one by one."""
-    read = {channel for span in roles.spans for channel in (*span.match, span.break_channel)} | set(space.single)
-    return sorted({channel.joint for channel in read if channel.is_rotation})
+def _turning_joints(roles: Roles) -> list[int]:
+    """Joints with a role for one of their rotations."""
+    return sorted({channel.joint for channel in roles.used if channel.is_rotation})
 
 
 def _describe(rank: int, path: Path, done: Finished, finisher: Finisher) -> Variant:

@@ -71,8 +71,11 @@ def _across(skeleton: Skeleton, hips: tuple[int, int], rotations: FloatArray, tr
 
 
 @lru_cache(maxsize=64)
-def _rest_across(skeleton: Skeleton, hips: tuple[int, int]) -> FloatArray:
-    return _across(skeleton, hips, skeleton.rest_rotations, skeleton.rest_translations)
+def _rest_directions(skeleton: Skeleton, hips: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
+    """The level part of the way across the hips at rest, and what it becomes after a quarter turn about up."""
+    across = _across(skeleton, hips, skeleton.rest_rotations, skeleton.rest_translations)
+    level = across - (across @ skeleton.up) * skeleton.up
+    return level, np.cross(skeleton.up, level)
 
 
 def measure_heading(clip: Clip, root: int) -> FloatArray:
@@ -86,11 +89,9 @@ def measure_heading(clip: Clip, root: int) -> FloatArray:
         world = skeleton.world_rotations(clip.rotations)[:, root]
         turned = quaternion.multiply(world, quaternion.conjugate(skeleton.rest_orientations[root]))
         return np.unwrap(quaternion.twist(turned, skeleton.up))
-    axis = _across(skeleton, hips, clip.rotations, clip.translations)
-    rest_axis = _rest_across(skeleton, hips)
-    sine = np.cross(rest_axis, axis) @ skeleton.up
-    cosine = axis @ rest_axis - (axis @ skeleton.up) * (rest_axis @ skeleton.up)
-    return np.unwrap(np.arctan2(sine, cosine))
+    across = _across(skeleton, hips, clip.rotations, clip.translations)
+    level, turned = _rest_directions(skeleton, hips)
+    return np.unwrap(np.arctan2(across @ turned, across @ level))
 
 
 @dataclass(frozen=True, eq=False)

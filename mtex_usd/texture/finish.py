@@ -101,6 +101,11 @@ class Finisher:
         return decompose(self.space.to_curves(self._own))
 
     @cached_property
+    def sketch_curves(self) -> FloatArray:
+        """The sketch's copied channels, the sum of their bands, shape [F, C]."""
+        return np.asarray(self.sketch_bands.bands.sum(axis=0) + self.sketch_bands.residual)
+
+    @cached_property
     def textured(self) -> FloatArray:
         """How far each column is textured at each frame, shape [F, C]."""
         return self.roles.weights(self.space.channels, lambda span: span.texture, self.join_frames)
@@ -236,7 +241,7 @@ class Finisher:
         """Texture and synthesize the sketch's curves from the joined path, shape [F, C]."""
         lowest = max(self.roles.synthesis_band, *(span.texture_bands[1] for span in self.roles.spans))
         own, taken = self.sketch_bands, decompose(path, most=lowest)
-        sketch = own.bands.sum(axis=0) + own.residual
+        sketch = self.sketch_curves
         synthesized = self.synthesized
         result = sketch + synthesized * (taken.at_or_below(self.roles.synthesis_band) - sketch)
         for bands in {span.texture_bands for span in self.roles.spans}:

@@ -13,10 +13,9 @@ fragment's own plus half the gaps spread over its frames, which a sum of angles 
 pose.
 """
 
-import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -38,11 +37,6 @@ _BLEND_STEPS = (1.0, 0.75, 0.5, 0.25)
 def blend_weights(reach: int) -> FloatArray:
     """Weight of the quadratic at t = -N..N, shape [2N + 1] (equation 1, misprint mended)."""
     return np.asarray(np.cos(np.pi * np.arange(-reach, reach + 1) / (2 * reach)) ** 2)
-
-
-def _reach(left: FloatArray, right: FloatArray, join_frames: int) -> int:
-    """Frames on either side that the blend changes: as asked, but no more than half the shorter fragment."""
-    return min(join_frames, (min(len(left), len(right)) - 1) // 2)
 
 
 def _fit_quadratic(curves: FloatArray) -> FloatArray:
@@ -84,40 +78,23 @@ def join_curves(
     FloatArray
         Shape [F, C].
     """
-    placed = _place(fragments, turning, sliding)
-    meeting = [0.5 * (a[-1] + b[0]) for a, b in itertools.pairwise(placed)]
-    firsts, lasts = [placed[0][0], *meeting], [*meeting, placed[-1][-1]]
-    moved = [_skew(f, first, last) for f, first, last in zip(placed, firsts, lasts, strict=True)]
-    joined = _concatenate(moved)
-    join = 0
-    for left, right, follows in zip(moved[:-1], moved[1:], continued, strict=True):
-        join += len(left) - 1
-        reach = _reach(left, right, join_frames)
-        if reach >= _LEAST_REACH and not follows:
-            window = joined[join - reach : join + reach + 1]
-            window += blend_weights(reach)[:, None] * (_fit_quadratic(window) - window)
+    strip = _Strip.of_fragments(fragments)
+    frames = _place(strip, np.concatenate(fragments), turning, sliding)
+    meeting = 0.5 * (frames[strip.lasts[:-1]] + frames[strip.firsts[1:]])
+    # Subtract the line through the old end points and add the line through the new ones.
+    joined = strip.once(frames + strip.spread(strip.meet(frames, meeting) - strip.ends(frames)))
+    for _, windows in strip.smoothed(continued, join_frames):
+        rows = joined[windows]
+        joined[windows] = rows + blend_weights(windows.shape[1] // 2)[:, None] * (_fit_quadratic(rows) - rows)
     return joined
 
 
-def _place(fragments: Sequence[FloatArray], turning: BoolArray, sliding: BoolArray) -> list[FloatArray]:
+def _place(strip: "_Strip", frames: FloatArray, turning: BoolArray, sliding: BoolArray) -> FloatArray:
     """Shift whole fragments to the nearest turn, or to where the one before ended."""
-    placed = [fragments[0]]
-    for fragment in fragments[1:]:
-        gap = placed[-1][-1] - fragment[0]
-        shift = np.where(turning, 360.0 * np.round(gap / 360.0), np.where(sliding, gap, 0.0))
-        placed.append(fragment + shift)
-    return placed
-
-
-def _skew(fragment: FloatArray, first: FloatArray, last: FloatArray) -> FloatArray:
-    """Subtract the line through the old end points and add the line through the new ones."""
-    along = np.linspace(0.0, 1.0, len(fragment))[:, None]
-    return np.asarray(fragment + (1.0 - along) * (first - fragment[0]) + along * (last - fragment[-1]))
-
-
-def _concatenate(fragments: Sequence[FloatArray]) -> FloatArray:
-    """Put fragments end to end, shared frames once."""
-    return np.concatenate([fragments[0], *(fragment[1:] for fragment in fragments[1:])])
+    gaps = frames[strip.lasts[:-1]] - frames[strip.firsts[1:]]
+    steps = np.where(turning, 360.0 * np.round(gaps / 360.0), np.where(sliding, gaps, 0.0))
+    shifts = np.concatenate([np.zeros((1, frames.shape[1])), np.cumsum(steps, axis=0)])
+    return np.asarray(frames + shifts[strip.owner])
 
 
 def join_rotations(fragments: Sequence[FloatArray], continued: BoolArray, join_frames: int) -> FloatArray:
@@ -142,80 +119,91 @@ def join_rotations(fragments: Sequence[FloatArray], continued: BoolArray, join_f
     The quadratic is let in only as far as no joint turns faster, within N of the join, than `TURN_LIMIT` times the
     fastest turn of its stretched fragment plus half the gaps at the fragment's two joins spread over its frames.
     """
-    strip = _Strip.of_fragments(fragments)
-    joined = quaternion.unroll(strip.once(strip.moved))
-    pairs = zip(fragments[:-1], fragments[1:], continued, strict=True)
-    reaches = np.array([0 if follows else _reach(left, right, join_frames) for left, right, follows in pairs])
-    _smooth_joins(joined, strip.lasts[:-1] - np.arange(len(reaches)), reaches, strip.turn_limits())
+    strip, frames = _Strip.of_fragments(fragments), np.concatenate(fragments)
+    meeting = quaternion.midpoint(frames[strip.lasts[:-1]], frames[strip.firsts[1:]])
+    old, new = strip.ends(frames), strip.meet(frames, meeting)
+    displacements = quaternion.log(quaternion.multiply(quaternion.conjugate(old), new))
+    moved = quaternion.multiply(frames, quaternion.exp(strip.spread(displacements)))
+    joined = quaternion.unroll(strip.once(moved))
+    limits = _turn_limits(strip, frames, displacements)
+    for joins, windows in strip.smoothed(continued, join_frames):
+        limit = np.stack([limits[joins], limits[joins + 1]], axis=-1)
+        rows = np.swapaxes(joined[windows], 1, 2)
+        smooth = _blend_quadratic(rows.reshape(-1, *rows.shape[2:]), limit.reshape(-1, 2))
+        joined[windows] = np.swapaxes(smooth.reshape(rows.shape), 1, 2)
     return joined
 
 
 @dataclass(frozen=True, eq=False)
 class _Strip:
-    """Fragments of rotations end to end, N frames with the shared ones twice, so that all are worked on at once.
+    """Where fragments lie end to end, N frames with the shared ones twice, so that all are worked on at once.
 
     Parameters
     ----------
-    frames
-        Shape [N, J, 4].
     firsts, lasts
-        Where in the strip each fragment begins and ends, shape [Q].
-    displacements
-        Rotation vectors that take each fragment's first and last frame to where it meets its neighbours,
-        shape [2, Q, J, 3].
+        First and last frame of each fragment, shape [Q].
     """
 
-    frames: FloatArray
     firsts: IntArray
     lasts: IntArray
-    displacements: FloatArray
 
     @classmethod
     def of_fragments(cls, fragments: Sequence[FloatArray]) -> "_Strip":
-        frames = np.concatenate(fragments)
         lasts = np.cumsum([len(fragment) for fragment in fragments]) - 1
-        firsts = np.concatenate([[0], lasts[:-1] + 1])
-        meeting = quaternion.midpoint(frames[lasts[:-1]], frames[firsts[1:]])
-        old = np.stack([frames[firsts], frames[lasts]])
-        new = np.stack([np.concatenate([frames[:1], meeting]), np.concatenate([meeting, frames[-1:]])])
-        return cls(frames, firsts, lasts, quaternion.log(quaternion.multiply(quaternion.conjugate(old), new)))
+        return cls(np.concatenate([[0], lasts[:-1] + 1]), lasts)
 
-    @property
-    def moved(self) -> FloatArray:
-        """Every frame turned by the displacement, running evenly from its fragment's first to its last, [N, J, 4]."""
-        lengths = self.lasts - self.firsts
-        owner = np.repeat(np.arange(len(lengths)), lengths + 1)
-        along = ((np.arange(len(self.frames)) - self.firsts[owner]) / lengths[owner])[:, None, None]
-        turns = (1.0 - along) * self.displacements[0, owner] + along * self.displacements[1, owner]
-        return quaternion.multiply(self.frames, quaternion.exp(turns))
+    @cached_property
+    def owner(self) -> IntArray:
+        """Which fragment each frame is of, shape [N]."""
+        return np.repeat(np.arange(len(self.firsts)), self.lasts - self.firsts + 1)
 
-    def turn_limits(self) -> FloatArray:
-        """Fastest turn allowed in each fragment per joint, radians per frame, shape [Q, J]."""
-        speeds = quaternion.angle_between(self.frames[:-1], self.frames[1:])
-        speeds[self.lasts[:-1]] = 0.0  # from one fragment to the next
-        fastest = np.maximum.reduceat(speeds, self.firsts, axis=0)
-        half_gaps = np.linalg.norm(self.displacements, axis=-1).sum(axis=0)
-        return np.asarray(TURN_LIMIT * (fastest + half_gaps / (self.lasts - self.firsts)[:, None]))
+    def ends(self, frames: FloatArray) -> FloatArray:
+        """First and last frame of each fragment, [N, ...] to [2, Q, ...]."""
+        return np.stack([frames[self.firsts], frames[self.lasts]])
+
+    def meet(self, frames: FloatArray, meeting: FloatArray) -> FloatArray:
+        """What the ends become where neighbours meet, [Q - 1, ...]; the strip's own two ends stay, [2, Q, ...]."""
+        return np.stack([np.concatenate([frames[:1], meeting]), np.concatenate([meeting, frames[-1:]])])
+
+    def spread(self, ends: FloatArray) -> FloatArray:
+        """Run evenly from what each fragment begins with to what it ends with, [2, Q, ...] to [N, ...]."""
+        at = np.arange(len(self.owner)) - self.firsts[self.owner]
+        along = (at / (self.lasts - self.firsts)[self.owner]).reshape(-1, *[1] * (ends.ndim - 2))
+        return np.asarray((1.0 - along) * ends[0, self.owner] + along * ends[1, self.owner])
 
     def once(self, frames: FloatArray) -> FloatArray:
         """Drop the second of each two frames that are shared, [N, ...] to [F, ...]."""
         return np.delete(frames, self.firsts[1:], axis=0)
 
+    def smoothed(self, continued: BoolArray, join_frames: int) -> Iterator[tuple[IntArray, IntArray]]:
+        """Give the joins to smooth [n], those of one reach at a time, with their windows of frames [n, 2N + 1].
 
-def _smooth_joins(joined: FloatArray, frames: IntArray, reaches: IntArray, limits: FloatArray) -> None:
-    """Smooth in place around the joins at some frames, those of one reach at once; limits per fragment, [Q, J]."""
-    for reach in np.unique(reaches[reaches >= _LEAST_REACH]):
-        which = np.flatnonzero(reaches == reach)
-        windows = frames[which, None] + np.arange(-reach, reach + 1)
-        limit = np.repeat(np.stack([limits[which], limits[which + 1]], axis=-1), reach, axis=-1)
-        rows = np.swapaxes(joined[windows], 1, 2)
-        smooth = _blend_quadratic(rows.reshape(-1, *rows.shape[2:]), limit.reshape(-1, 2 * reach))
-        joined[windows] = np.swapaxes(smooth.reshape(rows.shape), 1, 2)
+        The reach is as asked, but no more than half the shorter fragment.
+        """
+        lengths = self.lasts - self.firsts
+        reaches = np.minimum(np.minimum(lengths[:-1], lengths[1:]) // 2, join_frames)
+        reaches = np.where(continued, 0, reaches)
+        for reach in np.unique(reaches[reaches >= _LEAST_REACH]):
+            joins = np.flatnonzero(reaches == reach)
+            yield joins, (self.lasts[joins] - joins)[:, None] + np.arange(-reach, reach + 1)
+
+
+def _turn_limits(strip: _Strip, frames: FloatArray, displacements: FloatArray) -> FloatArray:
+    """Fastest turn allowed in each fragment per joint, radians per frame, shape [Q, J]."""
+    speeds = quaternion.angle_between(frames[:-1], frames[1:])
+    speeds[strip.lasts[:-1]] = 0.0  # from one fragment to the next
+    fastest = np.maximum.reduceat(speeds, strip.firsts, axis=0)
+    half_gaps = np.linalg.norm(displacements, axis=-1).sum(axis=0)
+    return np.asarray(TURN_LIMIT * (fastest + half_gaps / (strip.lasts - strip.firsts)[:, None]))
 
 
 def _blend_quadratic(windows: FloatArray, limit: FloatArray) -> FloatArray:
-    """Blend the quadratic into the frames around joins as far as turns stay below limits; [M, 2N + 1, 4], [M, 2N]."""
+    """Blend the quadratic into the frames around joins as far as turns stay below limits.
+
+    Windows of M joints, shape [M, 2N + 1, 4], and what limits their turns before and after the join, shape [M, 2].
+    """
     reach = windows.shape[1] // 2
+    limit = np.repeat(limit, reach, axis=1)
     centre = windows[:, reach : reach + 1]
     curves = quaternion.log(quaternion.multiply(quaternion.conjugate(centre), windows))
     change = blend_weights(reach)[:, None] * (_fit_quadratic(curves) - curves)

@@ -158,7 +158,9 @@ def _extend(
     """Lengthen every partial path by every candidate and keep the cheapest `count` of distinct keys at each."""
     totals = layer.cost + join_costs[layer.candidate].T
     lefts, own_keys, joined = layer.candidate.tolist(), layer.key.tolist(), zero.tolist()
-    rows: list[tuple[int, float, int, int]] = []
+    rights: list[int] = []
+    entries: list[int] = []
+    new_keys: list[int] = []
     for right, order in enumerate(np.argsort(totals, axis=1, kind="stable")):
         best: dict[int, int] = {}
         for entry in order.tolist():
@@ -167,10 +169,10 @@ def _extend(
             best.setdefault(key, entry)
             if len(best) == count:
                 break
-        costs = (totals[right, list(best.values())] + node_costs[right]).tolist()
-        rows += [(right, cost, key, entry) for (key, entry), cost in zip(best.items(), costs, strict=True)]
-    columns = [np.array(column) for column in zip(*rows, strict=True)]
-    return _Layer(*columns)
+        rights += [right] * len(best)
+        entries += best.values()
+        new_keys += best
+    return _Layer(np.array(rights), totals[rights, entries] + node_costs[rights], np.array(new_keys), np.array(entries))
 
 
 def _collect(lattice: Lattice, layers: Sequence[_Layer], count: int) -> list[Path]:

@@ -44,7 +44,7 @@ class Recipe:
     match_band: int = 0
     match_lower: bool = True
     path_cost: str = "continuity"
-    path_weight: float = 3.6
+    path_weight: float = 3.4
     diversity: float = 0.0
     texture_bands: tuple[int, int] = (0, 0)
     synthesis_band: int = 0

@@ -88,7 +88,7 @@ class TexturedMotion:
     textured, synthesized
         How far each column is textured and synthesized at each frame, 0 to 1, shape [F, C].
     rotation_orders
-        Euler order by joint path, for every joint read in angles.
+        Euler order by joint path, for every joint with a role for one of its rotations.
     mean_rotations
         By joint path, real first, in skeleton axes (the root's in the facing frame), for every joint copied as a
         vector.

@@ -152,7 +152,7 @@ def _band_notes(recipe: Recipe, sketch: Clip) -> tuple[str, ...]:
     wanted = {band or nearest_band(MATCH_HZ, sketch.rate) for band in asked}
     limit, frames = band_limit(sketch.frame_count), sketch.frame_count
     return tuple(
-        f"band {band} needs {2**band + 1} frames and the sketch has {frames}: matched on band {max(1, limit)}"
+        f"band {band} is too slow for a sketch of {frames} frames: matched on band {max(1, limit)}"
         for band in sorted(wanted)
         if band > limit
     )

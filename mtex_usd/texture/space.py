@@ -7,6 +7,7 @@ frame. All rotation curves are in degrees.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -82,18 +83,18 @@ class Space:
         rotations = np.concatenate([motion.rotations[:, self.whole] for motion in motions])
         return replace(self, means=quaternion.mean(rotations)) if self.whole else self
 
-    @property
+    @cached_property
     def channels(self) -> tuple[Channel, ...]:
         """The channel of every column of :meth:`to_curves`, length C = 3 W + C'."""
         vectors = tuple(Channel(joint, kind) for joint in self.whole for kind in ("rx", "ry", "rz"))
         return vectors + self.single
 
-    @property
+    @cached_property
     def turning(self) -> BoolArray:
         """Which single curves are angles, shape [C']."""
         return np.array([channel.is_rotation for channel in self.single], dtype=np.bool_)
 
-    @property
+    @cached_property
     def sliding(self) -> BoolArray:
         """Which single curves are the root's travel, shape [C']."""
         return np.array([not c.is_rotation and c.joint == self.root for c in self.single], dtype=np.bool_)
@@ -132,11 +133,11 @@ class Space:
         for joint in {channel.joint for channel in self.single if channel.is_rotation}:
             rotations[:, joint] = self._with_angles(copied, sketch, joint)
         rotations[:, self.root] = sketch.facing.out_of(rotations[:, self.root])
-        local = to_local_rotations(rotations, sketch.clip.skeleton)
         touched = sorted({channel.joint for channel in self.channels if channel.is_rotation})
+        local = to_local_rotations(rotations[:, touched], sketch.clip.skeleton, joints=touched)
         result = np.array(sketch.clip.rotations)
         # Only these are unrolled: the others keep their bits, signs included.
-        result[:, touched] = quaternion.unroll(local[:, touched])
+        result[:, touched] = quaternion.unroll(local)
         return replace(sketch.clip, rotations=result, translations=self._apply_translations(copied, sketch))
 
     def _with_angles(self, copied: Copied, sketch: Motion, joint: int) -> FloatArray:
@@ -156,7 +157,7 @@ class Space:
                 target[:, channel.axis] = copied.curves[:, column]
         offsets[:, self.root] = sketch.facing.roll_travel(travel)
         result = np.array(sketch.clip.translations)
-        result[:, touched] = to_local_translations(offsets, sketch.clip.skeleton)[:, touched]
+        result[:, touched] = to_local_translations(offsets[:, touched], sketch.clip.skeleton, joints=touched)
         return result
 
 

@@ -1,5 +1,7 @@
 """Stretching copied motion in time: cubic, low-passed first when it is compressed (Gleicher 2000, section 1.6.2.1)."""
 
+from functools import lru_cache
+
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline
@@ -37,7 +39,13 @@ def stretch_cubic(curves: FloatArray, first: int, last: int, frame_count: int) -
     window = curves[begin:end]
     if step > 1.0:
         window = _low_pass(window, step)
-    spline = CubicSpline(np.arange(begin, end), window)
+    return _spline_weights(len(window), first - begin, last - begin, frame_count) @ window
+
+
+@lru_cache(maxsize=256)
+def _spline_weights(length: int, first: int, last: int, frame_count: int) -> FloatArray:
+    """The cubic spline as a matrix, shape [n, length]: it is linear in what it goes through, and lengths recur."""
+    spline = CubicSpline(np.arange(length), np.eye(length))
     return np.asarray(spline(np.linspace(first, last, frame_count)))
 
 

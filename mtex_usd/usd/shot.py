@@ -19,16 +19,18 @@ from mtex_usd.usd.clip_io import ClipReader
 from mtex_usd.usd.override import CharacterResult, VariantSamples
 from mtex_usd.usd.recipe_targets import find_sketches, find_takes
 from mtex_usd.usd.schema import read_recipe
+from mtex_usd.usd.skeletons import find_bindings
 
 __all__ = ["Cast", "Job", "build_result", "describe_variant", "find_cast", "read_jobs"]
 
 
 @dataclass(frozen=True)
 class Cast:
-    """Who is to be worked on, and whose results of an earlier run stay as they are."""
+    """Who is to be worked on, whose results of an earlier run stay as they are, and which sketches nobody can play."""
 
     wanted: tuple[Character, ...]
     others: tuple[Character, ...]
+    left_out: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,14 +69,44 @@ def find_cast(stage: Usd.Stage, *, only: Sequence[str], previous: Path) -> Cast:
         Prim paths of the sketches wanted; empty for all.
     previous
         Where the override layer of an earlier run would be.
+
+    Raises
+    ------
+    StageError
+        Where no Skeleton can play a sketch of `only`, or any of several.
     """
     wanted = [prim.GetPath() for prim in find_sketches(stage, only=only)]
-    paths = [prim.GetPath() for prim in find_sketches(stage)] if only else wanted
-    characters = find_characters(stage, paths, previous=previous)
+    others = [prim.GetPath() for prim in find_sketches(stage) if prim.GetPath() not in wanted] if only else []
+    playable, refused = _find_playable(stage, [] if only else wanted, wanted if only else [], others)
+    characters = find_characters(stage, playable, previous=previous)
     return Cast(
         tuple(character for character in characters if character.animation in wanted),
         tuple(character for character in characters if character.animation not in wanted),
+        tuple(str(error) for path, error in refused.items() if path in wanted),
     )
+
+
+def _find_playable(
+    stage: Usd.Stage, wanted: Sequence[Sdf.Path], required: Sequence[Sdf.Path], others: Sequence[Sdf.Path]
+) -> tuple[list[Sdf.Path], dict[Sdf.Path, StageError]]:
+    """Sort sketches into those that can be played side by side, in stage order, and those that cannot, with why.
+
+    What is required comes first; what a Skeleton plays comes before what would have to take a Skeleton over.
+    """
+    bound = find_bindings(stage)
+    accepted, refused = list(required), dict[Sdf.Path, StageError]()
+    if required:
+        find_characters(stage, accepted)
+    for sketch in sorted((*wanted, *others), key=lambda path: path not in bound):
+        try:
+            find_characters(stage, [*accepted, sketch])
+            accepted.append(sketch)
+        except StageError as error:
+            refused[sketch] = error
+    if not accepted:
+        raise next(iter(refused.values()))
+    order = [prim.GetPath() for prim in find_sketches(stage)]
+    return sorted(accepted, key=order.index), refused
 
 
 def read_jobs(stage: Usd.Stage, characters: Sequence[Character]) -> Iterator[Job]:

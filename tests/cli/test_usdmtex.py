@@ -82,7 +82,7 @@ def test_a_dry_run_says_it_all_and_writes_no_layer(shot_folder: Path, capsys: Ca
 def test_notes_go_to_stderr(shot_folder: Path, capsys: Capture) -> None:
     assert main(["walk.usda", "--band", "40"]) == 0
     captured = capsys.readouterr()
-    assert captured.err.startswith(f"usdmtex: note: {SKETCH}: band 40 needs")
+    assert captured.err.startswith(f"usdmtex: note: {SKETCH}: band 40 is too slow")
     assert "note" not in captured.out
 
 

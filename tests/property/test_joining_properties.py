@@ -28,10 +28,10 @@ def random_fragments(rng, count):
 
 
 def random_rotation_fragments(rng, count, joints, speed):
-    """Smooth fragments whose ends may be any way apart."""
+    """Smooth fragments, some much faster than others, whose ends may be any way apart."""
     fragments = []
     for n in random_lengths(rng, count):
-        steps = quaternion.exp(speed * rng.standard_normal((n, joints, 3)))
+        steps = quaternion.exp(speed * rng.choice([0.1, 1.0]) * rng.standard_normal((n, joints, 3)))
         turns = [quaternion.exp(2.0 * rng.standard_normal((joints, 3)))]
         for step in steps[1:]:
             turns.append(quaternion.multiply(turns[-1], step))

@@ -320,6 +320,19 @@ def test_scaling_is_about_the_residual_not_about_rest():
     assert rx(best.clip, LEFT_FOREARM)[LATE].mean() == pytest.approx(-20.0, abs=4.0)
 
 
+@pytest.mark.parametrize("synthesize", [("LeftForeArm",), ("LeftForeArm.rx",)])
+def test_each_take_keeps_its_own_mean_pose_when_scaled(synthesize):
+    """Arms that bend by 60 degrees on average keep doing so on legs that hardly move."""
+    pool = [walk(150, seed=i, arm=60.0, detail=0.0, name=f"/T{i}") for i in range(2)]
+    own = block(walk(100, seed=77, leg=3.0, detail=0.0))
+    recipe = Recipe(match=BOTH_HIPS, synthesize=synthesize, scale=True, match_lower=False)
+    best = texture_motion(own, pool, recipe).variants[0]
+    assert np.median([use.scale for use in best.fragments]) < 0.2
+    forearm = rx(best.clip, LEFT_FOREARM)
+    assert forearm.mean() == pytest.approx(-60.0, abs=12.0)
+    assert np.ptp(forearm) < 40.0
+
+
 # Time segments
 
 
@@ -345,6 +358,20 @@ def test_roles_ramp_over_the_join_time_at_segment_borders():
     assert np.all(np.diff(weight[45:]) <= 0.0)
     assert np.abs(np.diff(weight)).max() < 0.25
     np.testing.assert_array_equal(result.textured[:, column(result, f"{RIGHT_KNEE}.rx")], 1.0)
+
+
+def test_the_join_time_is_in_seconds():
+    """At 60 frames/s the ramp takes as long as at 24."""
+    widths = []
+    for rate in (24.0, 60.0):
+        segment = Segment(
+            name="a", start=float(round(1.2 * rate)), end=float(round(3.0 * rate)), synthesize=("LeftArm",)
+        )
+        recipe = Recipe(match=BOTH_HIPS, texture=("RightLeg",), segments=(segment,), join_time=0.6)
+        result = texture_motion(sketch(int(4.0 * rate), rate=rate), takes(rate=rate), recipe)
+        weight = result.synthesized[: int(2.0 * rate), column(result, f"{LEFT_ARM}.rx")]
+        widths.append(np.sum((weight > 0.0) & (weight < 1.0)) / rate)
+    np.testing.assert_allclose(widths, 0.6, atol=0.1)
 
 
 def test_away_from_its_segment_a_joint_stays_as_it_was():

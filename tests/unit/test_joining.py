@@ -139,3 +139,11 @@ def test_a_sharp_corner_is_rounded():
     corner = np.concatenate([left, right[1:]])
     assert np.abs(np.diff(joined, 2)).max() < 0.7 * np.abs(np.diff(corner, 2)).max()
     np.testing.assert_allclose(joined[[0, 4, 5, 15, 16, 20]], corner[[0, 4, 5, 15, 16, 20]], atol=1e-9)
+
+
+def test_each_side_of_a_join_has_its_own_limit():
+    """10 degrees a frame, then 13: on neither side does the bend come near the limit of 12 and 15.6."""
+    left, right = 10.0 * np.arange(17.0), 160.0 + 13.0 * np.arange(17.0)
+    speeds = np.diff(np.unwrap(angles_x(join_rotations([turn_x(*left), turn_x(*right)], APART, 4)), period=360.0))
+    assert np.all((speeds[12:20] > 9.9) & (speeds[12:20] < 13.1))
+    assert np.abs(np.diff(speeds)).max() < 1.5

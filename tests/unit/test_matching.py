@@ -51,6 +51,13 @@ def test_among_equals_the_earlier_in_the_pool_comes_first():
     assert match.distances.tolist() == [0.0, 0.0, 0.0]
 
 
+def test_many_equals_keep_the_pools_order():
+    pool = plain([9.0, 9.0, 9.0, 0.0, 1.0, 2.0] * 50)
+    fragments = np.stack([np.arange(0, 300, 3), np.arange(2, 300, 3)], axis=1)
+    (match,) = match_fragments(SKETCH, OWN, pool, fragments, candidates=100, max_stretch=4.0)
+    assert match.fragments.tolist() == [*range(1, 100, 2), *range(0, 100, 2)]
+
+
 def test_slopes_count_as_much_as_they_are_weighted():
     sketch = plain([0.0, 0.0, 0.0], [1.0, 1.0, 1.0])
     pool = plain([1.0, 1.0, 1.0, 0.0, 0.0, 0.0], [1.0, 1.0, 1.0, 0.0, 0.0, 0.0])

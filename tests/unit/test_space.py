@@ -1,5 +1,7 @@
 """The space copied motion is blended in: what is a vector, what an angle, and the way back onto the sketch."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -105,3 +107,14 @@ def test_columns_that_change_change_only_their_joint():
     others = [joint for joint in range(len(JOINTS)) if joint != ARM]
     np.testing.assert_array_equal(result.rotations[:, others], clip.rotations[:, others])
     assert quaternion.angle_between(result.rotations[:, ARM], clip.rotations[:, ARM]).min() > 0.1
+
+
+def test_the_signs_of_what_is_copied_do_not_matter():
+    """Either quaternion of a rotation may come; the result runs on without a jump of sign."""
+    clip = walk(40, skeleton=make_skeleton(oriented=5))
+    space, motion = space_of(Recipe(match=MATCH, synthesize=("LeftArm",)), clip)
+    copied = space.read(motion)
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(40, 1, 1))
+    result = space.apply(replace(copied, rotations=signs * copied.rotations), motion)
+    assert np.all(np.sum(result.rotations[1:] * result.rotations[:-1], axis=-1) > 0.0)
+    assert quaternion.angle_between(result.rotations, clip.rotations).max() < 1e-7

@@ -17,7 +17,7 @@ from tests.benchmarks.quality.settings import SETTINGS, run_method
 __all__ = ["drop_each_take", "mean_error", "sweep_report", "write_table"]
 
 PATH_WEIGHTS = (0.3, 1.0, 2.0, 3.0, 3.2, 3.3, 3.4, 3.5, 3.6, 3.7, 3.8, 3.9, 4.0, 5.0, 7.0, 10.0)
-COARSE_WEIGHTS = (0.1, 0.3, 1.0, 2.0, 3.6, 5.0, 10.0, 20.0)
+COARSE_WEIGHTS = (0.1, 0.3, 1.0, 2.0, 3.4, 5.0, 10.0, 20.0)
 
 
 def write_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:

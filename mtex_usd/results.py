@@ -1,0 +1,154 @@
+"""What :func:`mtex_usd.process` gives back: frozen objects with the names of the JSON file and of ``customData``."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from mtex_usd.motion.clip import Clip
+from mtex_usd.texture.result import TexturedMotion, Variant
+
+__all__ = ["Fragment", "PathVariant", "Result"]
+
+
+@dataclass(frozen=True, eq=False)
+class Fragment(Mapping[str, Any]):
+    """Where one stretch of a variant comes from; readable as an object and as a mapping.
+
+    Parameters
+    ----------
+    start, end
+        Time codes on the sketch, both included.
+    take
+        Path of the take.
+    takeStart, takeEnd
+        Time codes on the take, both included: what ``Get`` on the composed stage takes.
+    distance
+        Matching distance, degrees squared summed over frames.
+    scale
+        Factor on the copied data, 1 unless scaling is on.
+    """
+
+    start: float
+    end: float
+    take: str
+    takeStart: float  # noqa: N815 - the names in the layer and in the JSON file
+    takeEnd: float  # noqa: N815
+    distance: float
+    scale: float
+
+    def __getitem__(self, name: str) -> Any:
+        """Give a value by its name."""
+        if name not in self.__dict__:
+            raise KeyError(name)
+        return getattr(self, name)
+
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the names."""
+        return (field.name for field in fields(self))
+
+    def __len__(self) -> int:
+        """Count the names."""
+        return len(fields(self))
+
+
+@dataclass(frozen=True, eq=False)
+class PathVariant:
+    """One variant of a result.
+
+    Parameters
+    ----------
+    name
+        Name of the variant, such as ``path_01``.
+    motion
+        The motion with the joined path it was made from.
+    custom_data
+        What the variant carries as ``customData["mtex"]`` in the layer, and in the JSON file.
+    """
+
+    name: str
+    motion: Variant
+    custom_data: dict[str, Any]
+
+    @property
+    def rank(self) -> int:
+        """1 is the best."""
+        return self.motion.rank
+
+    @property
+    def distance(self) -> float:
+        """Sum of the matching distances of its fragments."""
+        return self.motion.distance
+
+    @property
+    def zeroCostJoins(self) -> int:  # noqa: N802
+        """How many joins were consecutive in their take."""
+        return self.motion.zero_cost_joins
+
+    @property
+    def rotationOrders(self) -> dict[str, str]:  # noqa: N802
+        """Euler order by joint path."""
+        return dict(self.custom_data["rotationOrders"])
+
+    @property
+    def fragments(self) -> tuple[Fragment, ...]:
+        """Where each stretch comes from."""
+        return tuple(Fragment(**fragment) for fragment in self.custom_data["fragments"])
+
+    @property
+    def clip(self) -> Clip:
+        """The result on all joints of the skeleton."""
+        return self.motion.clip
+
+    @property
+    def joined(self) -> npt.NDArray[np.float64]:
+        """The joined path before texturing and synthesis, shape [F, C]; columns are the result's ``channels``."""
+        return self.motion.joined
+
+    @property
+    def curves(self) -> npt.NDArray[np.float64]:
+        """The finished curves in the same columns, shape [F, C]."""
+        return self.motion.curves
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Result:
+    """One sketch on one character.
+
+    Parameters
+    ----------
+    anim
+        Path of the sketch.
+    model
+        Path of the prim with the variant set.
+    variantSet
+        Name of the variant set.
+    variants
+        Best first; ``original`` is not among them.
+    texturing
+        All the method found, to check its laws by.
+    layer, stage
+        The files written; with ``dry_run`` those that would be.
+    notes
+        What a user should know about this sketch.
+    left_out
+        Sketches of the shot that could not be worked on, and why; the same for all results of a run.
+    """
+
+    anim: str
+    model: str
+    variantSet: str  # noqa: N815
+    variants: tuple[PathVariant, ...]
+    texturing: TexturedMotion
+    layer: Path
+    stage: Path
+    notes: tuple[str, ...]
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Full tokens of the copied channels, length C."""
+        return self.texturing.channels

@@ -167,11 +167,10 @@ def _notes(pools: dict[Matching, Pool], finisher: Finisher, recipe: Recipe, foun
 
 def _assemble(finisher: Finisher, variants: tuple[Variant, ...], notes: Sequence[str]) -> TexturedMotion:
     space, sketch = finisher.space, finisher.sketch.clip
-    bands = finisher.sketch_bands
     return TexturedMotion(
         sketch=sketch,
         channels=tuple(channel.name(sketch.joints) for channel in space.channels),
-        sketch_curves=bands.bands.sum(axis=0) + bands.residual,
+        sketch_curves=finisher.sketch_curves,
         textured=finisher.textured,
         synthesized=finisher.synthesized,
         rotation_orders={sketch.joints[joint]: order for joint, order in space.orders.items()},

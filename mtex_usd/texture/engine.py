@@ -11,6 +11,7 @@ from mtex_usd.motion.clip import Clip
 from mtex_usd.texture.candidates import build_lattice, find_candidates, find_sketch_fragments
 from mtex_usd.texture.diversity import find_diverse_paths
 from mtex_usd.texture.finish import Finished, Finisher
+from mtex_usd.texture.matching import MOST_SCALE
 from mtex_usd.texture.paths import Path, find_paths
 from mtex_usd.texture.pool import Matching, Pool, build_pool
 from mtex_usd.texture.pyramid import decompose
@@ -160,6 +161,8 @@ def _notes(pools: dict[Matching, Pool], finisher: Finisher, recipe: Recipe, foun
                 f"no take fragment is within {recipe.max_stretch:g} lengths of {times[first]:g} to {times[last]:g}; "
                 "the limit was lifted there"
             )
+    if any((candidates.scale == MOST_SCALE).any() for candidates in finisher.candidates):
+        notes.append(f"the scale factor was held at {MOST_SCALE:g}: some takes move far less than the sketch")
     if found < recipe.paths:
         notes.append(f"{found} of {recipe.paths} variants: there are no more different ones")
     return notes

@@ -9,13 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Features", "Match", "candidate_count", "fit_scale", "match_fragments", "stretch_linearly"]
+__all__ = ["MOST_SCALE", "Features", "Match", "candidate_count", "fit_scale", "match_fragments", "stretch_linearly"]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 BoolArray = npt.NDArray[np.bool_]
 
 _MOST_CANDIDATES = 64
+# Beyond this a take is too small a motion to say how a large one would look; arms would turn over.
+MOST_SCALE = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,10 +115,14 @@ def match_fragments(
 
     Parameters
     ----------
-    sketch, pool
-        Features of the sketch and of all takes end to end.
-    sketch_fragments, pool_fragments
-        First and last frames, shapes [Q, 2] and [N, 2]; a pool fragment lies inside one take.
+    sketch
+        Features of the sketch.
+    sketch_fragments
+        First and last frames, shape [Q, 2].
+    pool
+        Features of all takes end to end.
+    pool_fragments
+        First and last frames, shape [N, 2]; each lies inside one take.
     candidates
         K, how many to keep.
     max_stretch
@@ -145,7 +151,7 @@ def match_fragments(
 
 
 def fit_scale(sketch: Features, sketch_fragment: IntArray, pool: Features, pool_fragment: IntArray) -> float:
-    """Give the factor s >= 0 that minimises ||M s - A|| over the match band (Pullen & Bregler 2002, section 3.2).
+    """Give the factor s, 0 to 4, that minimises ||M s - A|| over the match band (Pullen & Bregler 2002, section 3.2).
 
     A is the sketch fragment's band, M the take fragment's, stretched to its length. Where the take's band is still
     there is nothing to scale, and s is 1.
@@ -154,4 +160,6 @@ def fit_scale(sketch: Features, sketch_fragment: IntArray, pool: Features, pool_
     wanted = sketch.band[sketch_fragment[0] : sketch_fragment[1] + 1]
     taken = stretch_linearly(pool.band, pool_fragment[None], frame_count)[0]
     energy = float(np.sum(taken * taken))
-    return max(float(np.sum(taken * wanted)) / energy, 0.0) if energy > 0.0 else 1.0
+    if energy == 0.0:
+        return 1.0
+    return min(max(float(np.sum(taken * wanted)) / energy, 0.0), MOST_SCALE)

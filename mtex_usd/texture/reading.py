@@ -9,6 +9,7 @@ import numpy.typing as npt
 from mtex_usd.errors import InputError
 from mtex_usd.motion.channels import Channel, to_skeleton_rotations, to_skeleton_translations
 from mtex_usd.motion.clip import Clip
+from mtex_usd.texture.alignment import align_skeletons
 from mtex_usd.texture.facing import Facing, find_root
 
 __all__ = ["Motion", "choose_root", "corresponding_joints", "read_sketch", "read_takes"]
@@ -82,7 +83,9 @@ def choose_root(sketch: Clip, takes: Sequence[Clip]) -> int:
 
 def read_sketch(sketch: Clip, root: int, heading_band: int) -> Motion:
     """Read the sketch; what is slower than the heading band is heading."""
-    return _read(sketch, root, root, heading_band, None, len(sketch.joints))
+    rotations = to_skeleton_rotations(sketch.rotations, sketch.skeleton)
+    offsets = to_skeleton_translations(sketch.translations, sketch.skeleton)
+    return _face(sketch, rotations, offsets, Facing.of_clip(sketch, root, heading_band), root)
 
 
 def read_takes(
@@ -121,8 +124,7 @@ def read_takes(
             notes.append(f"take {take.name} is left out: it has no {_names(missing, sketch)}")
             continue
         own_root = found[root] if root in found else find_root(take) or 0
-        indices = None if take.joints == sketch.joints else found
-        motions.append(_read(take, root, own_root, heading_band, indices, len(sketch.joints)))
+        motions.append(_read_take(take, sketch, {**found, root: own_root}, root, heading_band))
     if not motions:
         raise InputError(
             f"{sketch.name}: no take has all joints with a role",
@@ -137,14 +139,18 @@ def _names(joints: set[int], sketch: Clip) -> str:
     return ", ".join(sketch.joints[joint] for joint in sorted(joints))
 
 
-def _read(
-    clip: Clip, root: int, own_root: int, heading_band: int, indices: dict[int, int] | None, joint_count: int
-) -> Motion:
-    rotations = to_skeleton_rotations(clip.rotations, clip.skeleton)
-    offsets = to_skeleton_translations(clip.translations, clip.skeleton)
-    if indices is not None:
-        rotations, offsets = _reorder(rotations, offsets, {**indices, root: own_root}, joint_count)
-    facing = Facing.of_clip(clip, own_root, heading_band)
+def _read_take(clip: Clip, sketch: Clip, found: dict[int, int], root: int, heading_band: int) -> Motion:
+    """Read a take in the sketch's axes, size and joints; `found` gives the take's joint by the sketch's."""
+    alignment = align_skeletons(clip.skeleton, sketch.skeleton, found)
+    rotations = alignment.rotations(to_skeleton_rotations(clip.rotations, clip.skeleton))
+    offsets = alignment.offsets(to_skeleton_translations(clip.translations, clip.skeleton))
+    if clip.joints != sketch.joints:
+        rotations, offsets = _reorder(rotations, offsets, found, len(sketch.joints))
+    own = Facing.of_clip(clip, found[root], heading_band)
+    return _face(clip, rotations, offsets, Facing(own.heading, sketch.skeleton.up), root)
+
+
+def _face(clip: Clip, rotations: FloatArray, offsets: FloatArray, facing: Facing, root: int) -> Motion:
     rotations[:, root] = facing.into(rotations[:, root])
     return Motion(clip, rotations, offsets, facing.unroll_travel(offsets[:, root]), facing)
 

@@ -254,5 +254,7 @@ def _match_band(requested: int, sketch: Clip) -> int:
 
 
 def _texture_bands(requested: tuple[int, int], rate: float) -> tuple[int, int]:
-    first, last = (value or nearest_band(hz, rate) for value, hz in zip(requested, TEXTURE_HZ, strict=True))
-    return first, max(first, last)
+    """Fill in what is 0 by frequency, but no further than the band that is given."""
+    first, last = requested
+    usual_first, usual_last = (nearest_band(hz, rate) for hz in TEXTURE_HZ)
+    return first or min(usual_first, last or usual_first), last or max(usual_last, first)

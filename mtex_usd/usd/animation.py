@@ -30,6 +30,7 @@ _SLOWEST_RECORDING = 10.0  # frames per second; even samples further apart are k
 _FASTEST_RECORDING = 10000.0  # faster ones are times that differ by rounding
 _NTSC = 1.001  # 24 and 30 frames per second are 23.976 and 29.97 in its family
 _SHORTEST_QUATERNION = 1e-6
+_MOST_FRAMES = 200_000  # more than two hours
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -95,10 +96,10 @@ def sample_sketch(stage: Usd.Stage, prim: Usd.Prim) -> AnimationSamples:
     """
     queries = _open_queries(prim)
     rate = stage_rate(stage)
-    times = _sample_times(queries)
+    times = _all_times(_sample_times(queries))
     start, end = (times[0], times[-1]) if times.size else _stage_range(stage, prim)
     step = rate.time_codes_per_frame
-    grid = _snap(timing.frame_time_codes(start, end, step), times, step)
+    grid = _snap(_even_grid(prim, start, end, step), times, step)
     return _read_samples(prim, queries, grid, times, rate)
 
 
@@ -133,13 +134,14 @@ def sample_take(stage: Usd.Stage, prim: Usd.Prim, settings: TakeSettings) -> Ani
     """
     queries = _open_queries(prim)
     frames = stage_rate(stage)
-    times = _sample_times(queries)
+    own_times = _sample_times(queries)
+    times = _all_times(own_times)
     if not times.size:
         pose_time = settings.start if settings.start is not None else stage.GetStartTimeCode()
         return _read_samples(prim, queries, np.array([pose_time]), times, frames)
     first = times[0] if settings.start is None else max(times[0], settings.start)
     last = times[-1] if settings.end is None else min(times[-1], settings.end)
-    usable = _times_within(_densest_times(queries, times), first, last, frames)
+    usable = _times_within(max(own_times, key=len), first, last, frames)
     step = _recorded_step(usable, frames)
     if step is None:
         grid = _key_grid(prim, first, last, frames)
@@ -169,7 +171,19 @@ def _key_grid(prim: Usd.Prim, first: float, last: float, frames: StageRate) -> F
             found=f"the range begins at {first:g} and ends at {last:g}",
             fix="Correct mtex:take:start and mtex:take:end, which are time codes of the layer that authors them.",
         )
-    return timing.frame_time_codes(first, last, frames.time_codes_per_frame)
+    return _even_grid(prim, first, last, frames.time_codes_per_frame)
+
+
+def _even_grid(prim: Usd.Prim, start: float, end: float, step: float) -> FloatArray:
+    """List the frames' time codes; a stray key far away would fill the machine instead."""
+    if (end - start) / step > _MOST_FRAMES:
+        raise InputError(
+            f"{prim.GetPath()}: too many frames",
+            expected=f"at most {_MOST_FRAMES} frames",
+            found=f"samples from time code {start:g} to {end:g}",
+            fix="Remove the stray key, or narrow mtex:take:start and mtex:take:end.",
+        )
+    return timing.frame_time_codes(start, end, step)
 
 
 def _recorded_step(times: FloatArray, frames: StageRate) -> float | None:
@@ -195,16 +209,15 @@ def _open_queries(prim: Usd.Prim) -> dict[str, Usd.AttributeQuery]:
     return queries
 
 
-def _sample_times(queries: dict[str, Usd.AttributeQuery]) -> FloatArray:
-    return np.array(Usd.AttributeQuery.GetUnionedTimeSamples(list(queries.values())), dtype=np.float64)
+def _sample_times(queries: dict[str, Usd.AttributeQuery]) -> list[FloatArray]:
+    """Give the times of each attribute's samples; they may be keyed at times of their own."""
+    return [np.array(query.GetTimeSamples(), dtype=np.float64) for query in queries.values()]
 
 
-def _densest_times(queries: dict[str, Usd.AttributeQuery], times: FloatArray) -> FloatArray:
-    """Give the sample times of the attribute that has most: the others may be keyed at times of their own."""
-    most = max(queries.values(), key=Usd.AttributeQuery.GetNumTimeSamples)
-    if most.GetNumTimeSamples() == len(times):
-        return times
-    return np.array(most.GetTimeSamples(), dtype=np.float64)
+def _all_times(times: list[FloatArray]) -> FloatArray:
+    if all(np.array_equal(own, times[0]) for own in times[1:]):
+        return times[0]
+    return np.unique(np.concatenate(times))
 
 
 def _stage_range(stage: Usd.Stage, prim: Usd.Prim) -> tuple[float, float]:

@@ -94,7 +94,7 @@ def find_takes(stage: Usd.Stage, sketch_prim: Usd.Prim) -> tuple[Usd.Prim, ...]:
         The composed stage.
     sketch_prim
         The sketch. Every SkelAnimation at or below a target of its ``mtex:takes`` counts, instances included, except
-        sketches and what this project wrote.
+        sketches, what this project wrote, and those that hold blend shapes alone.
 
     Returns
     -------
@@ -125,13 +125,19 @@ def _takes_at(stage: Usd.Stage, relationship: Usd.Relationship, target: Sdf.Path
             fix="Correct the path, or add the layer with the takes (a payload may be unloaded, a prim inactive).",
         )
     animations = _animations_below(prim)
-    takes = [animation for animation in animations if not _is_sketch(animation) and not is_own_output(animation)]
+    takes = [animation for animation in animations if _is_take(animation) or animation == prim]
+    takes = [animation for animation in takes if not _is_sketch(animation) and not is_own_output(animation)]
     if not takes:
         found = _list_prims(animations, "none") + (", sketches or results of this tool" if animations else "")
         raise StageError(
             f"{relationship.GetPath()}: no take at or below {target}", expected="a SkelAnimation", found=found
         )
     return takes
+
+
+def _is_take(animation: Usd.Prim) -> bool:
+    """Whether an animation moves joints; one with blend shapes alone is none of our takes."""
+    return bool(animation.GetAttribute("joints").Get())
 
 
 def _animations_below(prim: Usd.Prim) -> list[Usd.Prim]:

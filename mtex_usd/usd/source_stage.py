@@ -51,6 +51,7 @@ def open_source(stage_path: Path) -> SourceStage:
     Returns
     -------
     SourceStage
+        The stage, and what lay over the shot.
 
     Raises
     ------

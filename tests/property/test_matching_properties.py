@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mtex_usd.texture.matching import Features, fit_scale, match_fragments, stretch_linearly
+from mtex_usd.texture.matching import MOST_SCALE, Features, fit_scale, match_fragments, stretch_linearly
 from tests.oracle import matching as twin
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -82,7 +82,7 @@ def test_the_scale_is_the_least_squares_factor_or_zero(seed, own_frames, take_fr
     columns = [twin.stretch(column, 0, take_frames - 1, own_frames) for column in pool.band.T.tolist()]
     factor = np.linalg.lstsq(np.ravel(columns)[:, None], sketch.band.T.ravel(), rcond=None)[0][0]
     assert found >= 0.0
-    np.testing.assert_allclose(found, max(factor, 0.0), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(found, min(max(factor, 0.0), MOST_SCALE), rtol=1e-9, atol=1e-12)
 
 
 @given(SEEDS, st.floats(0.0, 3.0))

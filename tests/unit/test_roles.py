@@ -52,6 +52,7 @@ def test_bands_that_are_given_stay():
 def test_one_texture_band_may_be_given():
     assert resolve(Recipe(texture=("LeftArm",), texture_bands=(1, 0))).spans[0].texture_bands == (1, 3)
     assert resolve(Recipe(texture=("LeftArm",), texture_bands=(5, 0))).spans[0].texture_bands == (5, 5)
+    assert resolve(Recipe(texture=("LeftArm",), texture_bands=(0, 1))).spans[0].texture_bands == (1, 1)
 
 
 @pytest.mark.parametrize(("frames", "band"), [(2, 1), (3, 1), (5, 2), (9, 3), (16, 3), (17, 4), (500, 4)])

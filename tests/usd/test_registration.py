@@ -72,7 +72,8 @@ def test_an_incomplete_installation_can_be_imported() -> None:
     """What says where the plugin should be must still run."""
     code = (
         "import mtex_usd.plugin_path as p, os, pathlib, sys; p._PLACES = (pathlib.Path('/nowhere'),)\n"
-        "del sys.modules['mtex_usd'], os.environ['PXR_PLUGINPATH_NAME']; import mtex_usd; print(mtex_usd.InputError.exit_code)\n"
+        "del sys.modules['mtex_usd'], os.environ['PXR_PLUGINPATH_NAME']\n"
+        "import mtex_usd; print(mtex_usd.InputError.exit_code)\n"
         "try: import mtex_usd.usd\nexcept mtex_usd.InputError as error: print(error)"
     )
     printed = run_python(code).splitlines()

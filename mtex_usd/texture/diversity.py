@@ -1,6 +1,7 @@
 """Variants that differ visibly: the ``mtex:diversity`` of the recipe.
 
-It is ours; the paper's best paths often differ nowhere. A path must differ from every better one by a mean angle over the copied joints, for the whole of at least one fragment.
+It is ours; the paper's best paths often differ nowhere. A path must differ from every better one by a mean angle over
+the copied joints, for the whole of at least one fragment.
 """
 
 from collections.abc import Sequence

@@ -14,7 +14,7 @@ from mtex_usd.errors import InputError, MtexError, NoSolutionError, ResultError,
 from mtex_usd.plugin_path import announce_plugin as _announce_plugin
 
 if TYPE_CHECKING:
-    from mtex_usd.api import FailedFile, ImportResult, import_takes, process, read_clip, write_clip
+    from mtex_usd.api import FailedFile, ImportResult, import_takes, list_takes, process, read_clip, write_clip
     from mtex_usd.motion.clip import Clip
     from mtex_usd.motion.skeleton import Skeleton
     from mtex_usd.results import Fragment, PathVariant, Result
@@ -35,6 +35,7 @@ __all__ = [
     "Skeleton",
     "StageError",
     "import_takes",
+    "list_takes",
     "process",
     "read_clip",
     "write_clip",
@@ -42,7 +43,8 @@ __all__ = [
 
 _HOMES = {
     **dict.fromkeys(
-        ("FailedFile", "ImportResult", "import_takes", "process", "read_clip", "write_clip"), "mtex_usd.api"
+        ("FailedFile", "ImportResult", "import_takes", "list_takes", "process", "read_clip", "write_clip"),
+        "mtex_usd.api",
     ),
     **dict.fromkeys(("Fragment", "PathVariant", "Result"), "mtex_usd.results"),
     "Clip": "mtex_usd.motion.clip",

@@ -16,8 +16,15 @@ VERSION = 1
 _STANDARD_OUTPUT = Path("-")
 
 
-def check_json_target(file_path: Path) -> None:
-    """Refuse a file that cannot be written, or that is not a table of ours.
+def check_json_target(file_path: Path, layers: Sequence[Path]) -> None:
+    """Refuse a file that cannot be written, that is not a table of ours, or that is going to be a layer.
+
+    Parameters
+    ----------
+    file_path
+        Where the table is asked for; ``-`` for standard output.
+    layers
+        The files that the same run is going to write.
 
     Raises
     ------
@@ -31,6 +38,8 @@ def check_json_target(file_path: Path) -> None:
     if not os.access(file_path.parent, os.W_OK | os.X_OK):
         raise InputError(f"cannot write {file_path}: folder {file_path.parent} is not writable")
     _check_existing(file_path)
+    if file_path.resolve() in [layer.resolve() for layer in layers]:
+        raise InputError(f"{file_path} cannot be both a layer and the table", fix="Choose another name for --json.")
 
 
 def _check_existing(file_path: Path) -> None:
@@ -60,7 +69,6 @@ def write_json(file_path: Path, results: Sequence[Result]) -> None:
     if file_path == _STANDARD_OUTPUT:
         sys.stdout.write(text)
         return
-    _check_existing(file_path)  # once more: the layer may have got the same name
     try:
         _replace(file_path, text)
     except OSError as error:

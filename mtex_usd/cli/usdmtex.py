@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mtex_usd.cli._progress import show_progress
-from mtex_usd.cli._run import report_error, run_command
+from mtex_usd.cli._run import hold_interrupts, report_error, run_command
 
 if TYPE_CHECKING:
     from mtex_usd.results import Result
@@ -98,11 +98,12 @@ def _add_recipe_options(parser: argparse.ArgumentParser) -> None:
 
 def _process(arguments: argparse.Namespace) -> int:
     # Imported here: USD, numpy and scipy take far longer to load than --help or a usage error should.
-    from mtex_usd.api import process  # noqa: PLC0415
-    from mtex_usd.cli._table import check_json_target, write_json  # noqa: PLC0415
+    with hold_interrupts():
+        from mtex_usd.api import find_outputs, process  # noqa: PLC0415
+        from mtex_usd.cli._table import check_json_target, write_json  # noqa: PLC0415
 
     if arguments.json:
-        check_json_target(arguments.json)
+        check_json_target(arguments.json, find_outputs(arguments.stage, out=arguments.output))
     with show_progress("reading the shot", quiet=arguments.quiet) as progress:
         results = process(
             arguments.stage,

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from mtex_usd.formats.bvh_motion import parse_motion
 from mtex_usd.formats.bvh_text import BvhJoint, parse_hierarchy, read_text
 from mtex_usd.formats.recording import Recording
+from mtex_usd.formats.turns import turn_about
 from mtex_usd.motion import quaternion
 
 __all__ = ["read_bvh"]
@@ -65,7 +66,7 @@ def _compose_rotations(joints: tuple[BvhJoint, ...], columns: tuple[int, ...], v
     for order, members in _group_by_rotations(joints).items():
         for position, axis in enumerate(order):
             picked = [columns[j] + _rotation_columns(joints[j])[position] for j in members]
-            turn = _turn_about("xyz".index(axis), values[:, picked])
+            turn = turn_about("xyz".index(axis), values[:, picked])
             rotations[:, members] = quaternion.multiply(rotations[:, members], turn)
     return rotations
 
@@ -81,15 +82,6 @@ def _group_by_rotations(joints: tuple[BvhJoint, ...]) -> dict[str, list[int]]:
 
 def _rotation_columns(joint: BvhJoint) -> list[int]:
     return [column for column, channel in enumerate(joint.channels) if channel.startswith("r")]
-
-
-def _turn_about(axis: int, degrees: FloatArray) -> FloatArray:
-    """Quaternions [..., 4] of turns about a coordinate axis."""
-    half = np.radians(degrees) / 2.0
-    turn = np.zeros((*half.shape, 4))
-    turn[..., 0] = np.cos(half)
-    turn[..., 1 + axis] = np.sin(half)
-    return turn
 
 
 def _place_joints(joints: tuple[BvhJoint, ...], columns: tuple[int, ...], values: FloatArray) -> FloatArray:

@@ -8,7 +8,8 @@ from itertools import chain
 import numpy as np
 import numpy.typing as npt
 
-from mtex_usd.formats.bvh_text import BvhText, parse_count, parse_number
+from mtex_usd.formats.bvh_text import BvhText
+from mtex_usd.formats.source_text import parse_count, parse_number
 
 __all__ = ["BvhMotion", "frame_time_to_rate", "parse_motion"]
 

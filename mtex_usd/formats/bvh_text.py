@@ -6,47 +6,32 @@ several ROOTs, joints without End Site, any number and order of channels, a byte
 not add up is an error with its line.
 """
 
-import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
-from mtex_usd.formats.recording import FormatError
+from mtex_usd.formats.source_text import SourceText, decode_lines, parse_count, parse_number
 
-__all__ = ["BvhJoint", "BvhText", "parse_count", "parse_hierarchy", "parse_number", "read_text"]
+__all__ = ["BvhJoint", "BvhText", "parse_hierarchy", "read_text"]
 
 _CHANNELS = {f"{axis}{kind}".lower(): kind[0] + axis for axis in "xyz" for kind in ("position", "rotation")}
-_LARGEST = 3.4e38  # what USD's single precision holds
 
 
 @dataclass(frozen=True, kw_only=True)
-class BvhText:
+class BvhText(SourceText):
     """The lines of a file, and where its motion begins.
 
     Parameters
     ----------
-    file_path
-        The file.
-    lines
-        Its lines without line ends.
+    file_path, lines
+        As in :class:`~mtex_usd.formats.source_text.SourceText`.
     motion_line
         Index in `lines` of the word MOTION; the number of lines where there is none.
     """
 
-    file_path: Path
-    lines: tuple[str, ...]
     motion_line: int
-
-    def error(self, index: int, reason: str) -> FormatError:
-        """Make the error for the line of an index into `lines`."""
-        return FormatError(self.file_path, index + 1, reason)
-
-    @property
-    def last(self) -> int:
-        """Index of the last line that is not blank, 0 in an empty file."""
-        return next((i for i in reversed(range(len(self.lines))) if self.lines[i].strip()), 0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,78 +79,16 @@ def read_text(file_path: Path) -> BvhText:
     Parameters
     ----------
     file_path
-        UTF-8, or failing that Latin-1: only joint names can hold more than ASCII, and old exporters used their own
-        code page.
+        The file.
 
     Raises
     ------
     FormatError
         Where it cannot be opened, is empty or is no text.
     """
-    try:
-        data = file_path.read_bytes()
-    except OSError as error:
-        raise FormatError(file_path, None, f"cannot be read: {error.strerror}") from error
-    if b"\0" in data:
-        raise FormatError(file_path, data.count(b"\n", 0, data.index(b"\0")) + 1, "not a text file")
-    if not data.strip():
-        raise FormatError(file_path, 1, "the file is empty")
-    lines = tuple(_decode(data).replace("\r\n", "\n").replace("\r", "\n").split("\n"))
+    lines = decode_lines(file_path)
     motion = next((i for i, line in enumerate(lines) if line.strip().upper() == "MOTION"), len(lines))
     return BvhText(file_path=file_path, lines=lines, motion_line=motion)
-
-
-def _decode(data: bytes) -> str:
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode("latin-1")
-
-
-def parse_number(text: BvhText, index: int, word: str) -> float:
-    """Read one number.
-
-    Parameters
-    ----------
-    text, index
-        The file and the line the word is on, for the message.
-    word
-        The number as written.
-
-    Raises
-    ------
-    FormatError
-        Where it is no number, not finite, or too large for single precision.
-    """
-    try:
-        number = float(word)
-    except ValueError:
-        raise text.error(index, f"expected a number, found {word[:40]!r}") from None
-    if not math.isfinite(number) or abs(number) > _LARGEST:
-        raise text.error(index, f"expected a finite number in single precision's range, found {word[:40]!r}")
-    return number
-
-
-def parse_count(text: BvhText, index: int, word: str, what: str) -> int:
-    """Read how many of something there are.
-
-    Parameters
-    ----------
-    text, index
-        The file and the line the word is on, for the message.
-    word
-        The number as written.
-    what
-        What is counted, for the message.
-
-    Raises
-    ------
-    FormatError
-        Where it is no whole number of at most 18 digits.
-    """
-    if not re.fullmatch(r"[0-9]{1,18}", word):
-        raise text.error(index, f"expected the number of {what}, found {word[:40]!r}")
-    return int(word)
 
 
 def parse_hierarchy(text: BvhText) -> tuple[BvhJoint, ...]:

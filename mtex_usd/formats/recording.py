@@ -1,4 +1,4 @@
-"""What a motion file says, before USD: joints by their own names, offsets, and a transform per frame and joint."""
+"""What a motion file says, before USD: joints by their own names, the rest pose, a transform per frame and joint."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from mtex_usd.errors import InputError
 
-__all__ = ["FormatError", "Recording"]
+__all__ = ["ChannelLimit", "FormatError", "NoMotionError", "Recording"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -34,9 +34,34 @@ class FormatError(InputError):
         super().__init__(f"{place}: {reason}")
 
 
+class NoMotionError(FormatError):
+    """A file that is in order but holds no motion of joints, such as a model or a set."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChannelLimit:
+    """How far one degree of freedom of a joint may go.
+
+    Parameters
+    ----------
+    joint
+        Index of the joint.
+    channel
+        ``"rx"``, ``"ry"``, ``"rz"``, ``"tx"``, ``"ty"``, ``"tz"`` or ``"l"`` (along the bone), about or along the
+        joint's own axes (:attr:`Recording.dof_axes`).
+    lower, upper
+        Degrees for rotations, else file units; infinite where a side is open.
+    """
+
+    joint: int
+    channel: str
+    lower: float
+    upper: float
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Recording:
-    """One recorded motion on the skeleton of its file; rest rotations are identity.
+    """One recorded motion on the skeleton of its file.
 
     Parameters
     ----------
@@ -56,6 +81,34 @@ class Recording:
         Relative to the parent, file units, shape [F, J, 3].
     skipped_frames
         How many frames of the file come before the first one here.
+    scales
+        Relative to the parent, shape [F, J, 3]; None where every scale is 1.
+    rest
+        Rest transforms relative to the parent, shape [J, 4, 4], USD layout (row vectors); None where they are the
+        `offsets` alone, without rotation.
+    bind
+        Bind transforms in skeleton space, shape [J, 4, 4], USD layout; None where they are the accumulated rest.
+    joint_paths
+        Joint paths to keep as they are; empty where they are to be built from `names`.
+    meters_per_unit
+        Length of a file unit in metres; None where the file does not say.
+    up_axis
+        ``"Y"`` or ``"Z"``; None where the file does not say.
+    placement
+        Transform from skeleton space to the file's world, shape [4, 4], USD layout; None where they are the same.
+    clip
+        Which of the motions of the file this is; empty where there is only one.
+    style
+        How it was performed, where the file says so.
+    companions
+        Further files its content came from, such as the skeleton of an AMC file or the buffers of a glTF file.
+    limits
+        Limits of degrees of freedom, where the file has them.
+    dof_axes
+        Orientation in skeleton space of the axes that `limits` are about, real part first, shape [J, 4]; None where
+        there are no limits.
+    notes
+        What a user should know about the reading.
     """
 
     source: Path
@@ -66,11 +119,44 @@ class Recording:
     rotations: FloatArray
     translations: FloatArray
     skipped_frames: int = 0
+    scales: FloatArray | None = None
+    rest: FloatArray | None = None
+    bind: FloatArray | None = None
+    joint_paths: tuple[str, ...] = ()
+    meters_per_unit: float | None = None
+    up_axis: str | None = None
+    placement: FloatArray | None = None
+    clip: str = ""
+    style: str = ""
+    companions: tuple[Path, ...] = ()
+    limits: tuple[ChannelLimit, ...] = ()
+    dof_axes: FloatArray | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def frame_count(self) -> int:
         """How many frames there are (F)."""
         return len(self.rotations)
+
+    @property
+    def rest_transforms(self) -> FloatArray:
+        """Rest transforms relative to the parent, shape [J, 4, 4], USD layout."""
+        if self.rest is not None:
+            return self.rest
+        transforms = np.tile(np.eye(4), (len(self.names), 1, 1))
+        transforms[:, 3, :3] = self.offsets
+        return transforms
+
+    @property
+    def bind_transforms(self) -> FloatArray:
+        """Bind transforms in skeleton space, shape [J, 4, 4], USD layout."""
+        if self.bind is not None:
+            return self.bind
+        world = self.rest_transforms.copy()
+        for joint, parent in enumerate(self.parents):
+            if parent >= 0:
+                world[joint] = world[joint] @ world[parent]
+        return world
 
     def without_first(self, frame_count: int) -> "Recording":
         """Leave out frames at the start, such as a calibration pose.
@@ -92,5 +178,6 @@ class Recording:
             self,
             rotations=self.rotations[frame_count:],
             translations=self.translations[frame_count:],
+            scales=None if self.scales is None else self.scales[frame_count:],
             skipped_frames=self.skipped_frames + frame_count,
         )

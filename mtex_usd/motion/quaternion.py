@@ -4,6 +4,8 @@ Products and the logarithm are written out; everything else with a branch or a s
 acts on column vectors: ``rotate(multiply(a, b), v)`` is ``rotate(a, rotate(b, v))``.
 """
 
+import warnings
+
 import numpy as np
 import numpy.typing as npt
 from scipy.spatial.transform import Rotation
@@ -113,7 +115,10 @@ def exp(v: FloatArray) -> FloatArray:
 
 def to_euler(q: FloatArray, order: str) -> FloatArray:
     """Angles [..., 3] in degrees, about the axes x, y, z in that column order, for an intrinsic order such as "ZYX"."""
-    angles = np.asarray(_rotation(q).as_euler(order, degrees=True)).reshape(*q.shape[:-1], 3)
+    with warnings.catch_warnings():
+        # At gimbal lock one of the outer angles is scipy's choice, which is as good as any: the rotation is the same.
+        warnings.filterwarnings("ignore", message="Gimbal lock")
+        angles = np.asarray(_rotation(q).as_euler(order, degrees=True)).reshape(*q.shape[:-1], 3)
     columns = np.empty_like(angles)
     for position, axis in enumerate(order):
         columns[..., "XYZ".index(axis)] = angles[..., position]

@@ -10,18 +10,22 @@ import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Literal
+from typing import Literal, cast
 
 from pxr import Sdf, Tf, UsdUtils
 
 from mtex_usd.errors import InputError
-from mtex_usd.usd.diagnostics import describe_error
+from mtex_usd.usd.diagnostics import describe_damage, describe_error, find_obstacle
 
-__all__ = ["check_target", "is_ours", "mark_layer", "write_layer"]
+__all__ = ["LayerKind", "check_target", "file_kind", "is_ours", "layer_kind", "mark_layer", "write_layer"]
 
-LayerKind = Literal["takes", "override", "stage"]
+LayerKind = Literal["takes", "clip", "override", "stage"]
+"""What a layer of ours is: a take library, what ``write_clip`` writes, an override layer or a thin root."""
+
+_KINDS = {"takes": "a take library", "clip": "a clip", "override": "an override layer", "stage": "a thin root"}
 
 _GENERATOR = "usdmtex"
+_OTHER_NAME = "Choose another name for the output."
 _FORMATS = {".usd": "usdc", ".usdc": "usdc", ".usda": "usda"}
 
 
@@ -33,42 +37,57 @@ def mark_layer(layer: Sdf.Layer, kind: LayerKind) -> None:
     layer
         Changed in place; other custom layer data stays.
     kind
-        ``"takes"``, ``"override"`` or ``"stage"``.
+        What it is.
     """
     layer.customLayerData = {**layer.customLayerData, "mtex": {"generator": _GENERATOR, "kind": kind}}
 
 
-def is_ours(file_path: Path) -> bool:
-    """Tell whether a file is a layer that this project wrote.
+def layer_kind(layer: Sdf.Layer) -> str:
+    """Tell what we wrote a layer as, one of ``LayerKind``; empty for a layer not ours."""
+    mark = layer.customLayerData.get("mtex")
+    return str(mark.get("kind", "")) if isinstance(mark, dict) and mark.get("generator") == _GENERATOR else ""
+
+
+def file_kind(file_path: Path) -> str:
+    """Tell what we wrote a file as; empty where there is none, USD cannot read it, or it is not ours.
 
     Parameters
     ----------
     file_path
-        Only the metadata is read; False where there is no file or USD cannot read it.
+        Only the metadata is read.
     """
-    if not file_path.is_file():
-        return False
+    if find_obstacle(file_path):
+        return ""
     try:
-        layer = Sdf.Layer.OpenAsAnonymous(str(file_path), metadataOnly=True)
+        return layer_kind(layer) if (layer := _read_metadata(file_path)) else ""
     except Tf.ErrorException:
-        return False
-    mark = layer.customLayerData.get("mtex") if layer else None
-    return isinstance(mark, dict) and mark.get("generator") == _GENERATOR
+        return ""
 
 
-def check_target(file_path: Path) -> None:
+def is_ours(file_path: Path) -> bool:
+    """Tell whether a file is a layer that this project wrote, of any kind."""
+    return bool(file_kind(file_path))
+
+
+def _read_metadata(file_path: Path) -> Sdf.Layer | None:
+    return Sdf.Layer.OpenAsAnonymous(str(file_path), metadataOnly=True)
+
+
+def check_target(file_path: Path, kind: LayerKind) -> None:
     """Make sure that a layer may be written here, before any work is done for it.
 
     Parameters
     ----------
     file_path
         Where :func:`write_layer` is going to write.
+    kind
+        What it is going to be; only one of its own kind is replaced.
 
     Raises
     ------
     InputError
         Where the ending is not USD's, the folder is missing or not writable, the name is a folder's, the file there was
-        not written by this project, or this process holds unsaved edits of it.
+        not written by this project or is a layer of another kind, or this process holds unsaved edits of it.
     """
     if file_path.suffix not in _FORMATS:
         raise InputError(f"{file_path} is no layer name", expected=f"a name ending in {', '.join(_FORMATS)}")
@@ -77,20 +96,47 @@ def check_target(file_path: Path) -> None:
         raise InputError(f"cannot write {file_path}: there is no folder {folder}", fix="Make it first.")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(f"cannot write {file_path}: folder {folder} is not writable")
-    _check_existing(file_path)
-
-
-def _check_existing(file_path: Path) -> None:
     if file_path.is_dir():
         raise InputError(f"cannot write {file_path}: it is a folder", expected="a file name")
-    if file_path.exists() and not is_ours(file_path):
-        raise InputError(
-            f"{file_path} exists and was not written by {_GENERATOR}; it is left alone",
-            fix="Choose another name with -o.",
-        )
+    if file_path.exists():
+        _check_existing(file_path, kind)
     held = Sdf.Layer.Find(str(_real_path(file_path)))
     if held and held.dirty:
         raise InputError(f"{file_path} has unsaved edits in this process", fix="Save or reload that layer first.")
+
+
+def _check_existing(file_path: Path, kind: LayerKind) -> None:
+    found = layer_kind(_read_existing(file_path))
+    if not found:
+        raise InputError(f"{file_path} exists and was not written by {_GENERATOR}; it is left alone", fix=_OTHER_NAME)
+    if found != kind:
+        # A library of takes, say, is ours too and would be lost.
+        raise InputError(
+            f"{file_path} exists and is left alone",
+            expected=f"{_KINDS[kind]} to replace, or no file",
+            found=_KINDS.get(found, found),
+            fix=_OTHER_NAME,
+        )
+
+
+def _read_existing(file_path: Path) -> Sdf.Layer:
+    """Read the metadata of a file in the way; one that nobody can read may be somebody's all the same."""
+    found = find_obstacle(file_path)
+    cause: Exception | None = None
+    if not found:
+        try:
+            layer = _read_metadata(file_path)
+        except Tf.ErrorException as error:
+            layer, cause = None, error
+        if layer:
+            return layer
+        found = describe_damage(file_path, cause)
+    raise InputError(
+        f"{file_path} exists and cannot be read, so that it is left alone",
+        expected=f"a layer that {_GENERATOR} wrote",
+        found=found,
+        fix="Delete it if nobody needs it, or choose another name for the output.",
+    ) from cause
 
 
 def write_layer(layer: Sdf.Layer, file_path: Path) -> None:
@@ -99,7 +145,7 @@ def write_layer(layer: Sdf.Layer, file_path: Path) -> None:
     Parameters
     ----------
     layer
-        Usually anonymous; not changed.
+        Usually anonymous; not changed. :func:`mark_layer` has said what it is.
     file_path
         ``.usd`` and ``.usdc`` become crate, ``.usda`` text. Equal layers give equal bytes. If this process has the file
         open as a layer, that layer is reloaded.
@@ -109,7 +155,7 @@ def write_layer(layer: Sdf.Layer, file_path: Path) -> None:
     InputError
         As :func:`check_target`, and where the file system refuses.
     """
-    check_target(file_path)
+    check_target(file_path, cast(LayerKind, layer_kind(layer)))
     target = _real_path(file_path)
     # The temporary name keeps the suffix (USD picks the format by it) and starts with a dot (file browsers skip it).
     temporary = target.with_name(f".{target.stem}.{os.getpid()}-{secrets.token_hex(4)}{target.suffix}")

@@ -6,13 +6,14 @@ outermost instance, since nothing below an instance can be edited.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from pxr import Kind, Sdf, Usd, UsdSkel
 
 from mtex_usd.errors import StageError
+from mtex_usd.usd.schema import read_take_settings
 from mtex_usd.usd.set_names import Place, SetName, choose_names, read_set_names
 
 __all__ = ["Character", "find_characters"]
@@ -76,15 +77,16 @@ def find_characters(
     Raises
     ------
     StageError
-        Where an animation is not on the stage, or no Skeleton plays it and its SkelRoot does not tell which should.
+        Where an animation is not on the stage, or no Skeleton plays it and neither its ``mtex:take:skeleton`` nor its
+        SkelRoot tells which should, or that one has another sketch to play.
     """
     rigs = _find_rigs(stage)
     holders = Counter(ancestor for root in {rig.root for rig in rigs} for ancestor in root.GetPrefixes())
     places: list[tuple[Sdf.Path, Sdf.Path, tuple[Sdf.Path, ...]]] = []
+    players = _find_players(stage, animation_paths, rigs)
     for animation in animation_paths:
-        players = _players(stage, animation, rigs, animation_paths)
         by_model: dict[Sdf.Path, list[Sdf.Path]] = {}
-        for rig in players:
+        for rig in players[animation]:
             by_model.setdefault(_model_of(stage, rig, holders), []).append(rig.skeleton)
         places.extend((animation, model, tuple(skeletons)) for model, skeletons in by_model.items())
     asked = [(animation, model) for animation, model, _ in places]
@@ -133,28 +135,40 @@ def _is_model_kind(prim: Usd.Prim) -> bool:
     return bool(Kind.Registry.IsA(Usd.ModelAPI(prim).GetKind(), Kind.Tokens.model))
 
 
-def _players(
-    stage: Usd.Stage, animation: Sdf.Path, rigs: Sequence[_Rig], sketches: Iterable[Sdf.Path]
-) -> tuple[_Rig, ...]:
-    prim = stage.GetPrimAtPath(animation)
-    if not prim:
-        raise StageError(f"there is no prim {animation}", fix="Name an animation that is on the stage.")
-    bound = tuple(rig for rig in rigs if rig.plays == animation)
-    return bound or (_own_rig(prim, rigs, frozenset(sketches)),)
+def _find_players(
+    stage: Usd.Stage, animations: Sequence[Sdf.Path], rigs: Sequence[_Rig]
+) -> dict[Sdf.Path, tuple[_Rig, ...]]:
+    """Give each sketch its players: those bound to it, else one that has nothing else to play."""
+    missing = [animation for animation in animations if not stage.GetPrimAtPath(animation)]
+    if missing:
+        raise StageError(f"there is no prim {missing[0]}", fix="Name an animation that is on the stage.")
+    bound = {animation: tuple(rig for rig in rigs if rig.plays == animation) for animation in animations}
+    players = {animation: found for animation, found in bound.items() if found}
+    named = {path: read_take_settings(stage.GetPrimAtPath(path)).skeleton for path in animations if path not in players}
+    # Who names a Skeleton comes before who takes the one that is left.
+    for animation in sorted(named, key=lambda path: named[path] is None):
+        taken = {rig.skeleton: path for path, found in players.items() for rig in found}
+        players[animation] = (_own_rig(stage.GetPrimAtPath(animation), named[animation], rigs, taken),)
+    return players
 
 
-def _own_rig(animation: Usd.Prim, rigs: Sequence[_Rig], sketches: frozenset[Sdf.Path]) -> _Rig:
-    """Give the Skeleton of the animation's own SkelRoot, for a sketch that none is bound to."""
+def _own_rig(
+    animation: Usd.Prim, named: Sdf.Path | None, rigs: Sequence[_Rig], taken: Mapping[Sdf.Path, Sdf.Path]
+) -> _Rig:
+    """Give the Skeleton that a sketch names, else that of its own SkelRoot, for a sketch that none is bound to."""
     root = UsdSkel.Root.Find(animation)
-    own = [rig for rig in rigs if root and rig.root == root.GetPath()]
-    free = [rig for rig in own if rig.plays not in sketches]
+    beside = [rig for rig in rigs if root and rig.root == root.GetPath()]
+    own = [rig for rig in rigs if rig.skeleton == named] or beside
+    free = [rig for rig in own if rig.skeleton not in taken]
     if len(free) == 1:
         return free[0]
+    playing = (f"{rig.skeleton} playing {taken.get(rig.skeleton, rig.plays) or 'nothing'}" for rig in own)
     raise StageError(
         f"no Skeleton plays {animation.GetPath()}",
         expected="a bound Skeleton, or one Skeleton without another sketch in the animation's own SkelRoot",
-        found=", ".join(f"{rig.skeleton} playing {rig.plays or 'nothing'}" for rig in own) or "no Skeleton beside it",
-        fix="Set skel:animationSource on the Skeleton (with SkelBindingAPI applied).",
+        found=", ".join(playing) or "no Skeleton beside it",
+        fix="Set skel:animationSource on the Skeleton (with SkelBindingAPI applied), or name the Skeleton in the "
+        "sketch's mtex:take:skeleton (with MtexTakeAPI applied).",
     )
 
 

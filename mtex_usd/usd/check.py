@@ -16,7 +16,9 @@ import numpy.typing as npt
 from pxr import Sdf, Usd, UsdSkel
 
 from mtex_usd.errors import ResultError, StageError
+from mtex_usd.usd.diagnostics import open_layer
 from mtex_usd.usd.override import ORIGINAL, CharacterResult, VariantSamples, variant_names
+from mtex_usd.usd.thin_root import find_stacked
 
 __all__ = ["check_override"]
 
@@ -83,11 +85,13 @@ def check_override(root_path: Path, results: Sequence[CharacterResult]) -> None:
         Where a variant differs from what was computed without one.
     """
     stage = Usd.Stage.Open(str(root_path))
-    root = stage.GetRootLayer()
-    override, shot = (Sdf.Layer.FindRelativeToLayer(root, root.subLayerPaths[i]) for i in (0, 1))
+    stacked = find_stacked(stage.GetRootLayer())
+    if stacked.override is None:
+        raise ResultError(f"{root_path} stacks no override layer")
+    override = open_layer(stacked.override)
     _check_stage(_Reader(stage, override), results)
     if stage.GetLayerStack().count(override) > 1:
-        _check_stage(_Reader(Usd.Stage.Open(shot), override), results)
+        _check_stage(_Reader(Usd.Stage.Open(str(stacked.shot)), override), results)
 
 
 def _check_stage(reader: _Reader, results: Sequence[CharacterResult]) -> None:

@@ -2,18 +2,18 @@
 
 import re
 from collections.abc import Iterable
-from pathlib import Path
 
 import numpy as np
-from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 from scipy.spatial.transform import Rotation
 
 from mtex_usd.errors import InputError
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import FloatArray, Skeleton
 from mtex_usd.usd.animation import sample_take, to_clip
+from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_path
 from mtex_usd.usd.atomic import check_target, mark_layer, write_layer
-from mtex_usd.usd.diagnostics import describe_error
+from mtex_usd.usd.diagnostics import open_layer
 from mtex_usd.usd.names import make_prim_name, make_unique
 from mtex_usd.usd.schema import read_take_settings
 from mtex_usd.usd.skeletons import find_bindings, find_take_skeleton, make_bare_skeleton, read_skeleton
@@ -26,7 +26,7 @@ _SAME_AXIS = 1e-6
 _REAL_LAST = [1, 2, 3, 0]  # as USD keeps quaternions in memory
 
 
-def read_clip(stage_or_file: Usd.Stage | str | Path, prim_path: str) -> Clip:
+def read_clip(stage_or_file: Usd.Stage | FilePath, prim_path: PrimPath) -> Clip:
     """Read an animation on all joints of its skeleton.
 
     Parameters
@@ -55,12 +55,13 @@ def read_clip(stage_or_file: Usd.Stage | str | Path, prim_path: str) -> Clip:
     >>> clip.rotations.shape  # doctest: +SKIP
     (315, 31, 4)
     """
-    stage = stage_or_file if isinstance(stage_or_file, Usd.Stage) else _open_stage(Path(stage_or_file))
-    prim = stage.GetPrimAtPath(prim_path) if Sdf.Path.IsValidPathString(prim_path) else None
+    asked = as_prim_path(prim_path, "prim_path")
+    stage = stage_or_file if isinstance(stage_or_file, Usd.Stage) else _open_stage(stage_or_file)
+    prim = stage.GetPrimAtPath(asked) if Sdf.Path.IsValidPathString(asked) else None
     if not prim:
         there_are = [str(prim.GetPath()) for prim in stage.Traverse() if prim.IsA("SkelAnimation")]
         raise InputError(
-            f"{stage.GetRootLayer().identifier} has no prim {prim_path}",
+            f"{stage.GetRootLayer().identifier} has no prim {asked}",
             expected="the path of a SkelAnimation",
             fix=f"There are: {', '.join(there_are) or 'none'}.",
         )
@@ -88,6 +89,10 @@ class ClipReader:
             self._skeletons[prim_path] = read_skeleton(prim)
         return self._skeletons[prim_path]
 
+    def find_skeleton(self, prim: Usd.Prim) -> Usd.Prim | None:
+        """Find the Skeleton of a take, as :func:`mtex_usd.usd.skeletons.find_take_skeleton`."""
+        return find_take_skeleton(prim, read_take_settings(prim), bindings=self._bindings)
+
     def read_take(self, prim: Usd.Prim) -> Clip:
         """Read a take on all joints of its skeleton, at its own rate and within its usable range.
 
@@ -106,23 +111,17 @@ class ClipReader:
         InputError, StageError
             As :func:`read_clip`.
         """
-        settings = read_take_settings(prim)
-        samples = sample_take(self._stage, prim, settings)
-        bound = find_take_skeleton(prim, settings, bindings=self._bindings)
+        samples = sample_take(self._stage, prim, read_take_settings(prim))
+        bound = self.find_skeleton(prim)
         skeleton = self.read_skeleton(bound) if bound else make_bare_skeleton(samples, self._stage)
         return to_clip(samples, skeleton)
 
 
-def _open_stage(file_path: Path) -> Usd.Stage:
-    if not file_path.is_file():
-        raise InputError(f"cannot read {file_path}", found="no such file")
-    try:
-        return Usd.Stage.Open(str(file_path))
-    except Tf.ErrorException as error:
-        raise InputError(f"cannot read {file_path}", found=describe_error(error)) from error
+def _open_stage(file_path: FilePath) -> Usd.Stage:
+    return Usd.Stage.Open(open_layer(as_file_path(file_path, "stage or file")))
 
 
-def write_clip(clip: Clip, file_path: str | Path, prim_path: str) -> str:
+def write_clip(clip: Clip, file_path: FilePath, prim_path: PrimPath) -> str:
     """Write a clip and its skeleton to a new USD file, whole or not at all.
 
     Parameters
@@ -130,7 +129,7 @@ def write_clip(clip: Clip, file_path: str | Path, prim_path: str) -> str:
     clip
         Any clip; rotations and translations are stored in single precision, scales in half.
     file_path
-        A name ending in .usd, .usda or .usdc. A file there is replaced only if this project wrote it.
+        A name ending in .usd, .usda or .usdc. A file there is replaced only if this function wrote it.
     prim_path
         Where the animation goes; the Skeleton goes beside it, bound to it. Names that USD does not allow are made
         valid: ``/Takes/07_01.bvh`` becomes ``/Takes/take_07_01``.
@@ -145,9 +144,9 @@ def write_clip(clip: Clip, file_path: str | Path, prim_path: str) -> str:
     InputError
         Where the path is not absolute, or the file cannot or must not be written.
     """
-    target = Path(file_path)
-    check_target(target)
-    animation_path = _valid_path(prim_path)
+    target = as_file_path(file_path, "file_path")
+    check_target(target, "clip")
+    animation_path = _valid_path(as_prim_path(prim_path, "prim_path"))
     parent = animation_path.GetParentPath()
     skeleton_path = parent.AppendChild(make_unique("Skeleton", {animation_path.name}))
     layer = Sdf.Layer.CreateAnonymous(".usdc")
@@ -177,7 +176,7 @@ def _up_axis(skeleton: Skeleton) -> str | None:
 
 
 def _author_metadata(layer: Sdf.Layer, clip: Clip, animation_path: Sdf.Path) -> None:
-    mark_layer(layer, "takes")
+    mark_layer(layer, "clip")
     layer.timeCodesPerSecond = clip.rate * clip.time_codes_per_frame
     layer.framesPerSecond = clip.rate
     layer.startTimeCode, layer.endTimeCode = float(clip.time_codes[0]), float(clip.time_codes[-1])

@@ -13,12 +13,11 @@ import numpy as np
 import numpy.typing as npt
 from pxr import Sdf, Usd, Vt
 
-from mtex_usd.errors import InputError
 from mtex_usd.usd.atomic import check_target, mark_layer, write_layer
 from mtex_usd.usd.characters import Character
 from mtex_usd.usd.custom_data import to_metadata
+from mtex_usd.usd.diagnostics import open_layer
 from mtex_usd.usd.selection import Selections, read_selections
-from mtex_usd.usd.source_stage import layer_kind
 from mtex_usd.usd.thin_root import ROOT_METADATA, author_metadata, build_thin_root, read_root_metadata, thin_root_path
 
 __all__ = ["ORIGINAL", "CharacterResult", "VariantSamples", "variant_names", "write_override"]
@@ -107,25 +106,21 @@ def write_override(
         Where `select` names no variant, a file of that name is not ours or cannot be written, or the stage has no file.
     """
     thin_path = thin_root_path(out)
-    _check_target(out, "override")
-    _check_target(thin_path, "stage")
-    layer = _build_layer(stage, results, read_selections(stage, out, select))
-    _take_over(layer, keep, out)
+    check_target(out, "override")
+    check_target(thin_path, "stage")
+    selections = read_selections(stage, out, select)
+    layer = _build_layer(stage, results, selections)
+    _take_over(layer, keep, out, selections)
     time_codes = np.concatenate([result.variants[0].time_codes for result in results])
+    if keep:
+        time_codes = np.append(time_codes, layer.ListAllTimeSamples())
     metadata = read_root_metadata(stage, time_codes, results[0].character.model)
     root = build_thin_root(stage, metadata, out)
+    _update_selections(root, layer, [*(result.character for result in results), *keep])
     author_metadata(layer, {key: metadata[key] for key in ROOT_METADATA})
     write_layer(layer, out)
     write_layer(root, thin_path)
     return out, thin_path
-
-
-def _check_target(file_path: Path, kind: str) -> None:
-    check_target(file_path)
-    found = layer_kind(Sdf.Layer.OpenAsAnonymous(str(file_path), metadataOnly=True)) if file_path.exists() else kind
-    if found != kind:
-        # A library of takes, say, is ours too and would be lost.
-        raise InputError(f"{file_path} exists and is something else: {found}", fix="Choose another name with -o.")
 
 
 def _build_layer(stage: Usd.Stage, results: Sequence[CharacterResult], selections: Selections) -> Sdf.Layer:
@@ -241,22 +236,33 @@ def _copy_samples(animation: Usd.Prim, output: Sdf.PrimSpec) -> None:
             output.layer.SetTimeSample(copy.path, time_code, attribute.Get(time_code))
 
 
-def _take_over(layer: Sdf.Layer, keep: Sequence[Character], earlier_path: Path) -> None:
+def _take_over(layer: Sdf.Layer, keep: Sequence[Character], earlier_path: Path, selections: Selections) -> None:
     """Copy sets that this run did not make from the layer that is about to be replaced."""
     if not keep or not earlier_path.exists():
         return
-    earlier = Sdf.Layer.FindOrOpen(str(earlier_path))
+    earlier = open_layer(earlier_path)
     for character in keep:
         spec = earlier.GetPrimAtPath(character.model)
         if spec and character.variant_set in spec.variantSets:
-            _copy_set(earlier, layer, character)
+            _copy_set(earlier, layer, character, selections)
 
 
-def _copy_set(earlier: Sdf.Layer, layer: Sdf.Layer, character: Character) -> None:
+def _copy_set(earlier: Sdf.Layer, layer: Sdf.Layer, character: Character, selections: Selections) -> None:
     model = Sdf.CreatePrimInLayer(layer, character.model)
     model.variantSetNameList.prependedItems.append(character.variant_set)
     set_path = character.model.AppendVariantSelection(character.variant_set, "")
     Sdf.CopySpec(earlier, set_path, layer, set_path)
-    selections = earlier.GetPrimAtPath(character.model).variantSelections
-    model.variantSelections[character.variant_set] = selections[character.variant_set]
+    paths = sorted(set(model.variantSets[character.variant_set].variants.keys()) - {ORIGINAL})
+    selected = selections.keep(character.model, character.variant_set, [*paths, ORIGINAL])
+    model.variantSelections[character.variant_set] = selected
     _author_bindings(layer, character, character.model)
+
+
+def _update_selections(root: Sdf.Layer, layer: Sdf.Layer, characters: Sequence[Character]) -> None:
+    """Bring what users selected in the thin root in line: there it is stronger than in the override layer."""
+    for character in characters:
+        theirs, ours = root.GetPrimAtPath(character.model), layer.GetPrimAtPath(character.model)
+        if theirs and ours and character.variant_set in theirs.variantSelections:
+            selected = ours.variantSelections.get(character.variant_set)
+            if selected:
+                theirs.variantSelections[character.variant_set] = selected

@@ -8,6 +8,7 @@ from pxr import Sdf, Usd
 
 from mtex_usd.errors import InputError
 from mtex_usd.usd.atomic import is_ours
+from mtex_usd.usd.diagnostics import open_layer
 from mtex_usd.usd.thin_root import thin_root_path
 
 __all__ = ["Selections", "read_selections"]
@@ -44,18 +45,38 @@ class Selections:
             Where the one asked for is none of them; lists them.
         """
         if self.asked is None:
-            had = self._had(model, variant_set)
-            return had if had in names else names[0]
+            return self.keep(model, variant_set, names)
         if self.asked not in names:
             raise InputError(
                 f"{model} gets no variant {self.asked} to select", expected=f"one of {', '.join(sorted(names))}"
             )
         return self.asked
 
+    def keep(self, model: Sdf.Path, variant_set: str, names: Sequence[str]) -> str:
+        """Give the variant that was selected, whatever is asked for now.
+
+        Parameters
+        ----------
+        model, variant_set
+            The set.
+        names
+            The variants it is going to have; the first is taken where none was selected or it is gone. Path variants
+            are the same by number: ``path_02`` is ``path_002`` where there are a hundred or more.
+        """
+        had = self._had(model, variant_set)
+        same = (name for name in names if had and _number(name) == _number(had))
+        return next(same, names[0])
+
     def _had(self, model: Sdf.Path, variant_set: str) -> str:
         specs = (layer.GetPrimAtPath(model) for layer in self.layers)
         selections = (spec.variantSelections.get(variant_set) for spec in specs if spec)
         return next((selection for selection in selections if selection), "")
+
+
+def _number(variant: str) -> str:
+    """Give a variant's name without the zeros it is padded with."""
+    head, _, digits = variant.rpartition("_")
+    return f"{head}_{int(digits)}" if head and digits.isdecimal() else variant
 
 
 def read_selections(stage: Usd.Stage, out: Path, asked: str | None) -> Selections:
@@ -73,5 +94,5 @@ def read_selections(stage: Usd.Stage, out: Path, asked: str | None) -> Selection
     """
     overrides = [out, *map(Path, stage.GetMutedLayers())]
     files = [file_path for override in overrides for file_path in (thin_root_path(override), override)]
-    layers = [Sdf.Layer.FindOrOpen(str(file_path)) for file_path in filter(is_ours, files)]
+    layers = [open_layer(file_path) for file_path in filter(is_ours, files)]
     return Selections(layers=(*layers, *stage.GetLayerStack(includeSessionLayers=False)), asked=asked)

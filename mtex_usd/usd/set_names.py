@@ -8,6 +8,7 @@ from pathlib import Path
 from pxr import Sdf, Usd
 
 from mtex_usd.usd.atomic import is_ours
+from mtex_usd.usd.diagnostics import open_layer
 
 __all__ = ["Place", "SetName", "choose_names", "read_set_names"]
 
@@ -42,7 +43,7 @@ def read_set_names(layer_files: Sequence[Path], models: Sequence[Sdf.Path]) -> d
     """
     names: dict[Place, SetName] = {}
     for layer_file in filter(is_ours, layer_files):
-        layer = Sdf.Layer.FindOrOpen(str(layer_file))
+        layer = open_layer(layer_file)
         for prim in filter(None, map(layer.GetPrimAtPath, models)):
             for place, name in _sets_of(prim):
                 names.setdefault(place, name)

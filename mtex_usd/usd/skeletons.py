@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
-from mtex_usd.errors import StageError
+from mtex_usd.errors import InputError, StageError
 from mtex_usd.motion.skeleton import FloatArray, Skeleton, parents_of
 from mtex_usd.usd.animation import AnimationSamples
 from mtex_usd.usd.schema import TakeSettings
@@ -45,12 +45,12 @@ def read_skeleton(prim: Usd.Prim) -> Skeleton:
     if not joints:
         raise StageError(f"{prim.GetPath()} has no joints", expected="the joints attribute in the Skeleton")
     up, scale = _space(prim)
-    return Skeleton(
-        joints=joints,
-        rest=_read_rest(skeleton, joints),
-        up=up,
-        meters_per_unit=UsdGeom.GetStageMetersPerUnit(prim.GetStage()) * scale,
-    )
+    unit = UsdGeom.GetStageMetersPerUnit(prim.GetStage()) * scale
+    rest = _read_rest(skeleton, joints)
+    try:
+        return Skeleton(joints=joints, rest=rest, up=up, meters_per_unit=unit)
+    except InputError as error:
+        raise InputError(f"{prim.GetPath()}: {error.message}", expected=error.expected, found=error.found) from error
 
 
 def _read_rest(skeleton: UsdSkel.Skeleton, joints: tuple[str, ...]) -> FloatArray:

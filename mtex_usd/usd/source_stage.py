@@ -7,12 +7,14 @@ anywhere on the stage are muted. Nothing is ever edited here.
 from dataclasses import dataclass
 from pathlib import Path
 
-from pxr import Sdf, Tf, Usd
+from pxr import Sdf, Usd
 
 from mtex_usd.errors import InputError
-from mtex_usd.usd.diagnostics import describe_error
+from mtex_usd.usd.atomic import layer_kind
+from mtex_usd.usd.diagnostics import open_layer
+from mtex_usd.usd.thin_root import find_stacked
 
-__all__ = ["SourceStage", "layer_kind", "open_source"]
+__all__ = ["SourceStage", "find_override", "open_source"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,10 +36,28 @@ class SourceStage:
     previous_override: Path | None
 
 
-def layer_kind(layer: Sdf.Layer) -> str:
-    """Tell what we wrote a layer as, ``"override"``, ``"stage"`` or ``"takes"``; empty for a layer not ours."""
-    mark = layer.customLayerData.get("mtex")
-    return str(mark.get("kind", "")) if isinstance(mark, dict) and mark.get("generator") == "usdmtex" else ""
+def find_override(stage_path: Path) -> Path:
+    """Tell which override layer a run on a file is going to write, unless it is told otherwise.
+
+    Parameters
+    ----------
+    stage_path
+        A shot, or a thin root.
+
+    Returns
+    -------
+    Path
+        ``<shot>.mtex.usd`` beside a shot; the one that a thin root stacks.
+
+    Raises
+    ------
+    InputError
+        As :func:`open_source`.
+    """
+    layer = open_layer(stage_path)
+    if layer_kind(layer) != "stage":
+        return stage_path.with_name(f"{stage_path.stem}.mtex.usd")
+    return find_stacked(layer).override or stage_path.with_name(f"{stage_path.stem.removesuffix('.stage')}.usd")
 
 
 def open_source(stage_path: Path) -> SourceStage:
@@ -58,7 +78,7 @@ def open_source(stage_path: Path) -> SourceStage:
     InputError
         Where the file, or the shot that a thin root stacks, is missing or no USD file; where it is an override layer.
     """
-    layer = _open_layer(stage_path)
+    layer = open_layer(stage_path)
     if layer_kind(layer) == "override":
         raise InputError(
             f"{stage_path} is an override layer, which holds no animation of its own",
@@ -66,34 +86,8 @@ def open_source(stage_path: Path) -> SourceStage:
         )
     if layer_kind(layer) != "stage":
         return _open_shot(layer, None)
-    override, shot = _sublayers_of(layer)
-    return _open_shot(_open_layer(shot), override)
-
-
-def _sublayers_of(thin_root: Sdf.Layer) -> tuple[Path, Path]:
-    # A user may have stacked more layers in between.
-    sublayers: list[str] = list(thin_root.subLayerPaths)  # type: ignore[call-overload]
-    if len(sublayers) < 2:
-        raise InputError(
-            f"{thin_root.identifier} is a thin root that stacks no shot",
-            expected="the override layer and the shot as sublayers",
-            found=", ".join(sublayers) or "none",
-            fix="Give the shot instead.",
-        )
-    return Path(thin_root.ComputeAbsolutePath(sublayers[0])), Path(thin_root.ComputeAbsolutePath(sublayers[-1]))
-
-
-def _open_layer(file_path: Path) -> Sdf.Layer:
-    if not file_path.is_file():
-        found = "a folder" if file_path.is_dir() else "no such file"
-        raise InputError(f"cannot open {file_path}", expected="a USD file", found=found)
-    try:
-        layer = Sdf.Layer.FindOrOpen(str(file_path))
-    except Tf.ErrorException as error:
-        raise InputError(f"cannot read {file_path}: {describe_error(error)}") from error
-    if not layer:
-        raise InputError(f"cannot read {file_path}", expected="a USD file")
-    return layer
+    stacked = find_stacked(layer)
+    return _open_shot(open_layer(stacked.shot), stacked.override)
 
 
 def _open_shot(layer: Sdf.Layer, previous: Path | None) -> SourceStage:

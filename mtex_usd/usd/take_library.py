@@ -3,39 +3,58 @@
 The layer is::
 
     def SkelRoot "Takes"                 the default prim
-        def Skeleton "Skeleton"          rest and bind pose from the file's offsets; customData mtex:jointNames
-        def SkelAnimation "take_07_01"   MtexTakeAPI; customData mtex:source, rate, frames, skippedFrames
+        def Skeleton "Skeleton"          rest and bind pose of the file; customData mtex:jointNames
+        def SkelAnimation "take_07_01"   MtexTakeAPI; customData mtex:source, sha256, rate, frames, skippedFrames, …
         ...
 
-A Skeleton shared by takes is bound to none of them; each take names its Skeleton by ``mtex:take:skeleton``. Authored on
-the layer with Sdf, because a layer has no schemas to register and writing samples this way is fastest.
+A Skeleton shared by takes is bound to none of them; each take names its Skeleton by ``mtex:take:skeleton``. The values
+are those of the file: where its unit, up axis or place differ from the library's, the Skeleton has a transform. A
+library grows: what is in it stays as it is, bit for bit.
 """
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from pxr import Gf, Sdf, Vt
+from pxr import Sdf
 
 from mtex_usd.formats.recording import Recording
+from mtex_usd.motion.skeleton import parents_of
 from mtex_usd.usd.atomic import mark_layer, write_layer
 from mtex_usd.usd.names import build_joint_paths, make_prim_name, make_unique
+from mtex_usd.usd.take_entries import (
+    ROOT,
+    Provenance,
+    TakeEntry,
+    custom_data,
+    default_of,
+    describe_capture,
+    list_entries,
+    open_library_layer,
+)
+from mtex_usd.usd.take_specs import (
+    author_samples,
+    author_skeleton,
+    author_take_api,
+    define_prim,
+    read_matrices,
+    set_uniform,
+)
 
 __all__ = ["TakeLibrary", "WrittenTake"]
 
 FloatArray = npt.NDArray[np.float64]
 
-_ROOT = Sdf.Path("/Takes")
-_UNIFORM = Sdf.VariabilityUniform
 # Offsets of one performer differ in the last digits from file to file; more than this part of the largest is another.
 _SAME_OFFSETS = 1e-5
+_SAME_PLACE = 1e-12
+_TO_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])  # row vectors
 
 
 @dataclass(frozen=True, kw_only=True)
 class WrittenTake:
-    """One take of a library.
+    """One take that was added to a library.
 
     Parameters
     ----------
@@ -61,18 +80,26 @@ class WrittenTake:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _WrittenSkeleton:
+class _Frame:
+    """A Skeleton of the library, to compare recordings with."""
+
     prim_path: Sdf.Path
     names: tuple[str, ...]
     parents: tuple[int, ...]
-    offsets: FloatArray
+    rest: FloatArray
     joints: tuple[str, ...]
+    placement: FloatArray
+    limits: frozenset[tuple[str, float, float]]
 
-    def fits(self, recording: Recording) -> bool:
-        if (self.names, self.parents) != (recording.names, recording.parents):
-            return False
-        tolerance = _SAME_OFFSETS * np.abs(self.offsets).max(initial=0.0)
-        return bool(np.all(np.abs(self.offsets - recording.offsets) <= tolerance))
+    def fits(self, other: "_Frame") -> bool:
+        mine = (self.names, self.parents, self.joints, self.limits)
+        return mine == (other.names, other.parents, other.joints, other.limits) and self._is_near(other)
+
+    def _is_near(self, other: "_Frame") -> bool:
+        tolerance = _SAME_OFFSETS * np.abs(self.rest[:, 3, :3]).max(initial=0.0)
+        apart = np.abs(self.rest - other.rest)
+        same_rest = apart[:, 3].max(initial=0.0) <= tolerance and apart[:, :3].max(initial=0.0) <= _SAME_OFFSETS
+        return bool(same_rest) and np.allclose(self.placement, other.placement, rtol=1e-9, atol=_SAME_PLACE)
 
 
 class TakeLibrary:
@@ -81,27 +108,75 @@ class TakeLibrary:
     Parameters
     ----------
     meters_per_unit
-        Length in metres of one unit of the recordings.
+        Length in metres of one unit of the library.
     up_axis
-        ``"Y"`` or ``"Z"``, the recordings' up.
+        ``"Y"`` or ``"Z"``, the library's up.
     """
 
     def __init__(self, *, meters_per_unit: float, up_axis: str = "Y") -> None:
         self._layer = Sdf.Layer.CreateAnonymous("takes.usda")
-        self._skeletons: list[_WrittenSkeleton] = []
+        self._skeletons: list[_Frame] = []
         self._takes: list[WrittenTake] = []
+        self._names: set[str] = set()
+        self._known: dict[tuple[object, ...], str] = {}
+        self._has_rate = False
         mark_layer(self._layer, "takes")
-        _define_prim(self._layer, _ROOT, "SkelRoot")
-        self._layer.defaultPrim = _ROOT.name
+        define_prim(self._layer, ROOT, "SkelRoot")
+        self._layer.defaultPrim = ROOT.name
         self._layer.pseudoRoot.SetInfo("upAxis", up_axis)
         self._layer.pseudoRoot.SetInfo("metersPerUnit", meters_per_unit)
 
+    @classmethod
+    def open(cls, file_path: Path) -> "TakeLibrary":
+        """Open a library to add to it.
+
+        Parameters
+        ----------
+        file_path
+            A library that this project wrote.
+
+        Raises
+        ------
+        InputError
+            Where USD cannot read it, or it is no take library.
+        """
+        library = cls(meters_per_unit=1.0)
+        library._layer = open_library_layer(file_path)
+        library._has_rate = True
+        root = library._layer.GetPrimAtPath(ROOT)
+        library._skeletons = [_read_frame(spec) for spec in root.nameChildren if spec.typeName == "Skeleton"]
+        library._names = {child.name for child in root.nameChildren}
+        library._known = {entry.identity: entry.prim_path for entry in library.entries if entry.sha256}
+        return library
+
     @property
     def takes(self) -> tuple[WrittenTake, ...]:
-        """The takes so far, in the order they were added."""
+        """The takes added so far, in their order; not those that were there before."""
         return tuple(self._takes)
 
-    def add(self, recording: Recording, *, style: str = "") -> WrittenTake:
+    @property
+    def entries(self) -> tuple[TakeEntry, ...]:
+        """All takes of the library."""
+        return list_entries(self._layer)
+
+    def find(self, recording: Recording, provenance: Provenance) -> str | None:
+        """Find the take of the same content, clip and options.
+
+        Parameters
+        ----------
+        recording
+            Says which of the file's motions it is.
+        provenance
+            Says what the content and options are; the licence does not count.
+
+        Returns
+        -------
+        str or None
+            Path of the take.
+        """
+        return self._known.get((*provenance.identity, recording.clip))
+
+    def add(self, recording: Recording, *, style: str = "", provenance: Provenance | None = None) -> WrittenTake:
         """Add a take, and its Skeleton unless an equal one is there.
 
         Parameters
@@ -111,18 +186,23 @@ class TakeLibrary:
             framesPerSecond; samples of recordings at other rates go to the fractional time codes that keep real time.
         style
             ``mtex:take:style``; not authored where empty.
+        provenance
+            Where it comes from.
         """
         with Sdf.ChangeBlock():
-            if not self._takes:
+            if not self._has_rate:
                 self._layer.timeCodesPerSecond = self._layer.framesPerSecond = recording.rate
-            skeleton = self._find_skeleton(recording) or self._add_skeleton(recording)
+                self._has_rate = True
+            skeleton = self._find_skeleton(recording)
             take = self._describe(recording, skeleton)
-            spec = _define_prim(self._layer, Sdf.Path(take.prim_path), "SkelAnimation")
-            _set_uniform(spec, "joints", Sdf.ValueTypeNames.TokenArray, skeleton.joints)
-            _author_take_api(spec, take, style)
-            spec.SetInfo("customData", {"mtex": _describe_capture(recording)})
-            self._author_samples(spec, recording)
+            spec = define_prim(self._layer, Sdf.Path(take.prim_path), "SkelAnimation")
+            set_uniform(spec, "joints", Sdf.ValueTypeNames.TokenArray, skeleton.joints)
+            author_take_api(spec, skeleton.prim_path, take.end, style)
+            spec.SetInfo("customData", {"mtex": describe_capture(recording, provenance)})
+            author_samples(spec, recording, self._time_codes(recording))
         self._takes.append(take)
+        if provenance is not None:
+            self._known[*provenance.identity, recording.clip] = take.prim_path
         return take
 
     def write(self, file_path: Path) -> None:
@@ -138,33 +218,45 @@ class TakeLibrary:
         InputError
             Where the file may not or cannot be written.
         """
-        self._layer.startTimeCode = 0.0
-        self._layer.endTimeCode = max((take.end for take in self._takes), default=0.0)
+        before = self._layer.endTimeCode if self._layer.HasEndTimeCode() else 0.0
+        self._layer.startTimeCode = min(self._layer.startTimeCode, 0.0)
+        self._layer.endTimeCode = max([before, *(take.end for take in self._takes)])
         write_layer(self._layer, file_path)
 
-    def _find_skeleton(self, recording: Recording) -> _WrittenSkeleton | None:
-        return next((skeleton for skeleton in self._skeletons if skeleton.fits(recording)), None)
+    def _find_skeleton(self, recording: Recording) -> _Frame:
+        frame = _make_frame(recording, self._place(recording))
+        found = next((skeleton for skeleton in self._skeletons if skeleton.fits(frame)), None)
+        return found or self._add_skeleton(recording, frame)
 
-    def _add_skeleton(self, recording: Recording) -> _WrittenSkeleton:
-        skeleton = _WrittenSkeleton(
-            prim_path=self._free_path("Skeleton"),
-            names=recording.names,
-            parents=recording.parents,
-            offsets=recording.offsets,
-            joints=build_joint_paths(recording.names, recording.parents),
-        )
-        _author_skeleton(_define_prim(self._layer, skeleton.prim_path, "Skeleton"), skeleton)
-        self._skeletons.append(skeleton)
-        return skeleton
+    def _add_skeleton(self, recording: Recording, frame: _Frame) -> _Frame:
+        frame = replace(frame, prim_path=self._free_path("Skeleton"))
+        moved = not np.allclose(frame.placement, np.eye(4), rtol=0.0, atol=_SAME_PLACE)
+        spec = define_prim(self._layer, frame.prim_path, "Skeleton")
+        author_skeleton(spec, recording, frame.joints, frame.placement if moved else None)
+        self._skeletons.append(frame)
+        return frame
+
+    def _place(self, recording: Recording) -> FloatArray:
+        """Give the transform from the recording's skeleton space to the library's world, shape [4, 4]."""
+        root = self._layer.pseudoRoot
+        unit, up = root.GetInfo("metersPerUnit"), root.GetInfo("upAxis")
+        turn = np.eye(3)
+        if recording.up_axis not in {None, up}:
+            turn = _TO_Z_UP if up == "Z" else _TO_Z_UP.T
+        to_library = np.eye(4)
+        to_library[:3, :3] = turn * ((recording.meters_per_unit or unit) / unit)
+        return to_library if recording.placement is None else recording.placement @ to_library
 
     def _free_path(self, name: str) -> Sdf.Path:
-        taken = [child.name for child in self._layer.GetPrimAtPath(_ROOT).nameChildren]
-        return _ROOT.AppendChild(make_unique(name, taken))
+        unique = make_unique(name, self._names)
+        self._names.add(unique)
+        return ROOT.AppendChild(unique)
 
-    def _describe(self, recording: Recording, skeleton: _WrittenSkeleton) -> WrittenTake:
-        prim_path = self._free_path(make_prim_name(recording.source.stem, prefix="take_"))
+    def _describe(self, recording: Recording, skeleton: _Frame) -> WrittenTake:
+        last = recording.clip.rpartition("/")[2]
+        stem = f"{recording.source.stem}_{last}" if last else recording.source.stem
         return WrittenTake(
-            prim_path=str(prim_path),
+            prim_path=str(self._free_path(make_prim_name(stem, prefix="take_"))),
             skeleton_path=str(skeleton.prim_path),
             source=recording.source,
             frame_count=recording.frame_count,
@@ -176,75 +268,36 @@ class TakeLibrary:
     def _time_codes(self, recording: Recording) -> FloatArray:
         return np.arange(recording.frame_count, dtype=np.float64) * (self._layer.timeCodesPerSecond / recording.rate)
 
-    def _author_samples(self, spec: Sdf.PrimSpec, recording: Recording) -> None:
-        time_codes = self._time_codes(recording).tolist()
-        # Vt's quaternion buffers hold the real part last.
-        rotations = np.ascontiguousarray(recording.rotations[..., [1, 2, 3, 0]], dtype=np.float32)
-        translations = np.ascontiguousarray(recording.translations, dtype=np.float32)
-        path = _define_attribute(spec, "rotations", Sdf.ValueTypeNames.QuatfArray).path
-        _set_samples(self._layer, path, time_codes, map(Vt.QuatfArray.FromNumpy, rotations))
-        path = _define_attribute(spec, "translations", Sdf.ValueTypeNames.Float3Array).path
-        _set_samples(self._layer, path, time_codes, map(Vt.Vec3fArray.FromNumpy, translations))
-        # UsdSkel reads no transforms at all where one of the three is missing.
-        scales = _define_attribute(spec, "scales", Sdf.ValueTypeNames.Half3Array)
-        scales.default = Vt.Vec3hArray([Gf.Vec3h(1.0)] * len(recording.names))
+
+def _make_frame(recording: Recording, placement: FloatArray) -> _Frame:
+    joints = recording.joint_paths or build_joint_paths(recording.names, recording.parents)
+    return _Frame(
+        prim_path=Sdf.Path(),
+        names=recording.names,
+        parents=tuple(map(int, parents_of(joints))),
+        rest=recording.rest_transforms,
+        joints=joints,
+        placement=placement,
+        limits=frozenset(
+            (f"{joints[limit.joint].rpartition('/')[2]}:{limit.channel}", limit.lower, limit.upper)
+            for limit in recording.limits
+        ),
+    )
 
 
-def _define_prim(layer: Sdf.Layer, prim_path: Sdf.Path, type_name: str) -> Sdf.PrimSpec:
-    spec = Sdf.CreatePrimInLayer(layer, prim_path)
-    spec.specifier = Sdf.SpecifierDef
-    spec.typeName = type_name
-    return spec
-
-
-def _define_attribute(spec: Sdf.PrimSpec, name: str, type_name: Sdf.ValueTypeName) -> Sdf.AttributeSpec:
-    return Sdf.AttributeSpec(spec, name, type_name)
-
-
-def _set_uniform(spec: Sdf.PrimSpec, name: str, type_name: Sdf.ValueTypeName, value: object) -> None:
-    Sdf.AttributeSpec(spec, name, type_name, _UNIFORM).default = value
-
-
-def _set_samples(layer: Sdf.Layer, path: Sdf.Path, time_codes: Iterable[float], values: Iterable[object]) -> None:
-    for time_code, value in zip(time_codes, values, strict=True):
-        layer.SetTimeSample(path, time_code, value)
-
-
-def _author_skeleton(spec: Sdf.PrimSpec, skeleton: _WrittenSkeleton) -> None:
-    world = skeleton.offsets.copy()
-    for joint, parent in enumerate(skeleton.parents):
-        if parent >= 0:
-            world[joint] += world[parent]
-    _set_uniform(spec, "joints", Sdf.ValueTypeNames.TokenArray, skeleton.joints)
-    _set_uniform(spec, "restTransforms", Sdf.ValueTypeNames.Matrix4dArray, _translate(skeleton.offsets))
-    _set_uniform(spec, "bindTransforms", Sdf.ValueTypeNames.Matrix4dArray, _translate(world))
-    spec.SetInfo("customData", {"mtex": {"jointNames": Vt.StringArray(skeleton.names)}})
-
-
-def _translate(translations: FloatArray) -> Vt.Matrix4dArray:
-    matrices = np.tile(np.eye(4), (len(translations), 1, 1))
-    matrices[:, 3, :3] = translations
-    return Vt.Matrix4dArray.FromNumpy(matrices)  # type: ignore[no-any-return, no-untyped-call]
-
-
-def _author_take_api(spec: Sdf.PrimSpec, take: WrittenTake, style: str) -> None:
-    """Apply MtexTakeAPI by its metadata, so that the schema need not be registered."""
-    schemas = Sdf.TokenListOp()
-    schemas.prependedItems = ["MtexTakeAPI"]
-    spec.SetInfo("apiSchemas", schemas)
-    _set_uniform(spec, "mtex:take:start", Sdf.ValueTypeNames.TimeCode, Sdf.TimeCode(take.start))
-    _set_uniform(spec, "mtex:take:end", Sdf.ValueTypeNames.TimeCode, Sdf.TimeCode(take.end))
-    if style:
-        _set_uniform(spec, "mtex:take:style", Sdf.ValueTypeNames.Token, style)
-    relationship = Sdf.RelationshipSpec(spec, "mtex:take:skeleton", False, _UNIFORM)  # noqa: FBT003
-    relationship.targetPathList.explicitItems = [Sdf.Path(take.skeleton_path)]
-
-
-def _describe_capture(recording: Recording) -> dict[str, object]:
-    # The file's name alone: with its folder the same takes would give other bytes on another machine.
-    return {
-        "source": recording.source.name,
-        "rate": recording.rate,
-        "frames": recording.frame_count,
-        "skippedFrames": recording.skipped_frames,
-    }
+def _read_frame(spec: Sdf.PrimSpec) -> _Frame:
+    joints = tuple(map(str, default_of(spec, "joints") or ()))
+    names = custom_data(spec).get("jointNames") or [joint.rpartition("/")[2] for joint in joints]
+    rest = read_matrices(spec, "restTransforms")
+    placement = read_matrices(spec, "xformOp:transform")
+    prefix = "mtex:limits:"
+    limits = [attribute for attribute in spec.attributes if attribute.name.startswith(prefix)]
+    return _Frame(
+        prim_path=spec.path,
+        names=tuple(map(str, names)),
+        parents=tuple(map(int, parents_of(joints))),
+        rest=np.tile(np.eye(4), (len(joints), 1, 1)) if rest is None else rest,
+        joints=joints,
+        placement=np.eye(4) if placement is None else placement,
+        limits=frozenset((a.name.removeprefix(prefix), float(a.default[0]), float(a.default[1])) for a in limits),
+    )

@@ -31,10 +31,10 @@ def _environment(**variables: str) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(PROJECT), **variables}
 
 
-def run_program(*arguments: str, folder: Path) -> Done:
-    """Run ``usdmtex`` in a folder, its output going into pipes."""
+def run_program(*arguments: str, folder: Path, **variables: str) -> Done:
+    """Run ``usdmtex`` in a folder and an environment, its output going into pipes."""
     done = subprocess.run(
-        _command(arguments), cwd=folder, env=_environment(), capture_output=True, text=True, check=False
+        _command(arguments), cwd=folder, env=_environment(**variables), capture_output=True, text=True, check=False
     )
     return Done(done.returncode, done.stdout, done.stderr)
 

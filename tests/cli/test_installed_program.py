@@ -52,6 +52,16 @@ def test_errors_are_messages_with_codes(folder: Path, arguments: list[str], code
     assert "Traceback" not in done.err
 
 
+def test_names_that_the_output_cannot_show_are_escaped(folder: Path) -> None:
+    text = (folder / "walk.usda").read_text(encoding="utf-8")
+    (folder / "walk.usda").write_text(
+        text.replace('"Humanoid"', '"Hümanoid"').replace("/Humanoid/", "/Hümanoid/"), encoding="utf-8"
+    )
+    done = run_program("walk.usda", "--paths", "1", folder=folder, PYTHONIOENCODING="ascii")
+    assert (done.code, done.err) == (0, "")
+    assert done.out.startswith("/H\\xfcmanoid/Sketch\t/H\\xfcmanoid\t{mtex}\n")
+
+
 def test_help_and_plugin_path(folder: Path) -> None:
     assert "usage: usdmtex" in run_program("--help", folder=folder).out
     assert run_program("--print-plugin-path", folder=folder).out == f"{plugin_path()}\n"

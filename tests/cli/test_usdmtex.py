@@ -4,8 +4,9 @@ import json
 from pathlib import Path
 
 import pytest
-from pxr import Usd
+from pxr import Sdf, Usd
 
+from mtex_usd import api
 from mtex_usd.cli.usdmtex import main
 from mtex_usd.plugin_path import plugin_path
 from tests.cli.support import MODEL, SKETCH, Capture, contents, failing, read_custom_data, selection, variant_names
@@ -124,10 +125,21 @@ def test_an_own_table_is_replaced_and_nothing_else_is(shot_folder: Path, capsys:
     assert "table.json exists and is not a table of usdmtex. Choose another name for --json." in error
 
 
-def test_the_layer_is_not_overwritten_by_its_table(shot_folder: Path, capsys: Capture) -> None:
-    assert main(["walk.usda", "-o", "same.usda", "--json", "same.usda"]) == 2
-    assert "same.usda exists and is not a table" in capsys.readouterr().err
-    assert variant_names("same.usda")[0] == "original"
+@pytest.mark.parametrize(
+    ("options", "table"),
+    [
+        (["-o", "same.usda"], "same.usda"),
+        (["-o", "same.usda"], "./same.stage.usda"),
+        ([], "walk.mtex.usd"),
+        ([], "walk.mtex.stage.usda"),
+    ],
+)
+def test_a_layer_and_its_table_are_two_files(
+    shot_folder: Path, capsys: Capture, options: list[str], table: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr(api, "texture_motion")  # refused before any work
+    error = failing(capsys, shot_folder, "walk.usda", *options, "--json", table, code=2)
+    assert f"{Path(table)} cannot be both a layer and the table. Choose another name for --json." in error
 
 
 def test_a_folder_that_is_not_there(shot_folder: Path, capsys: Capture) -> None:
@@ -182,6 +194,25 @@ def test_all_by_default_and_some_by_name(two: Path, capsys: Capture) -> None:
     assert main(["two.usda", "--json", "-", "--anim", "/Second/Sketch"]) == 0
     (result,) = json.loads(capsys.readouterr().out)["results"]
     assert (result["anim"], result["model"]) == ("/Second/Sketch", "/Second")
+
+
+def test_a_sketch_nobody_can_play_is_left_out_by_name(two: Path, capsys: Capture) -> None:
+    """The good one is done; asked for alone it is all there is."""
+    layer = Sdf.Layer.FindOrOpen("second.usda")
+    layer.GetPrimAtPath("/Second/Skeleton").relationships["skel:animationSource"].targetPathList.explicitItems = []
+    extra = Sdf.PrimSpec(layer.GetPrimAtPath("/Second"), "Extra", Sdf.SpecifierDef, "Skeleton")
+    assert extra
+    layer.Save()
+    assert main(["two.usda", "--paths", "2"]) == 3
+    captured = capsys.readouterr()
+    assert captured.err.startswith("usdmtex: error: no Skeleton plays /Second/Sketch; expected a bound Skeleton")
+    assert captured.out.splitlines()[0] == f"{SKETCH}\t{MODEL}\t{{mtex}}"
+    assert len(variant_names("two.mtex.usd")) == 3
+    assert api.process("two.usda", paths=1, dry_run=True)[0].left_out == (captured.err.split("error: ")[1].strip(),)
+    assert main(["two.usda", "--paths", "2", "--anim", SKETCH]) == 0
+    assert capsys.readouterr().err == ""
+    error = failing(capsys, two, "two.usda", "--anim", "/Second/Sketch", code=3)
+    assert "no Skeleton plays /Second/Sketch" in error
 
 
 def test_the_others_keep_what_they_had(two: Path, capsys: Capture) -> None:

@@ -1,5 +1,6 @@
 """``usdmtex-import`` as people type it."""
 
+import hashlib
 import os
 import subprocess
 import sys
@@ -11,6 +12,8 @@ from pxr import Usd, UsdGeom
 from mtex_usd import api
 from mtex_usd.cli._run import EXIT_BUG, EXIT_INTERRUPTED, EXIT_PIPE, run_command
 from mtex_usd.cli.usdmtex_import import main
+from tests.acclaim import write_take
+from tests.gltf_files import build_arm
 
 TAKE = """HIERARCHY
 ROOT Hips
@@ -31,12 +34,13 @@ Frame Time: 0.0333333
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Give a working folder with two good files and a cut one."""
     (tmp_path / "07_01.bvh").write_text(TAKE)
-    (tmp_path / "walk.bvh").write_text(TAKE)
+    (tmp_path / "walk.bvh").write_text(TAKE + "\n")
     (tmp_path / "cut.bvh").write_text(TAKE[: TAKE.index("2 2 2 2")])
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
+COLUMNS = ("TAKE", "FRAMES", "RATE", "SECONDS", "JOINTS", "SKELETON", "STYLE", "SOURCE", "SHA256", "LICENCE")
 CUT = "cut.bvh:11: truncated: 3 frames declared, 2 found"
 
 
@@ -116,17 +120,79 @@ def test_a_file_of_somebody_else_is_left_alone(folder: Path, capsys: pytest.Capt
     assert (folder / "shot.usda").read_text() == "#usda 1.0\n"
 
 
-def test_an_own_file_is_replaced(folder: Path) -> None:
+def list_takes(name: str) -> list[str]:
+    stage = Usd.Stage.Open(name)
+    return [prim.GetName() for prim in stage.GetDefaultPrim().GetChildren()]
+
+
+def test_a_library_is_added_to_and_nothing_comes_twice(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["walk.bvh", "-o", "takes.usd", "-q"]) == 0
-    assert main(["07_01.bvh", "-o", "takes.usd", "-q"]) == 0
-    stage = Usd.Stage.Open("takes.usd")
-    assert [prim.GetName() for prim in stage.GetDefaultPrim().GetChildren()] == ["Skeleton", "take_07_01"]
+    (folder / "07_01.bvh").write_text(TAKE.replace("2 2 2 2", "3 3 3 3"))
+    assert main(["07_01.bvh", "walk.bvh", "-o", "takes.usd"]) == 0
+    captured = capsys.readouterr()
+    assert captured.out == "/Takes/take_07_01\t3 frames\t30/s\t07_01.bvh\n"
+    assert captured.err == "usdmtex-import: note: walk.bvh: is in the library already as /Takes/walk; left out\n"
+    assert list_takes("takes.usd") == ["Skeleton", "walk", "take_07_01"]
+
+
+def test_a_library_can_be_begun_anew(folder: Path) -> None:
+    assert main(["walk.bvh", "-o", "takes.usd", "-q"]) == 0
+    assert main(["07_01.bvh", "-o", "takes.usd", "-q", "--replace"]) == 0
+    assert list_takes("takes.usd") == ["Skeleton", "take_07_01"]
+
+
+def test_a_strict_failure_leaves_the_library_as_it_was(folder: Path) -> None:
+    assert main(["walk.bvh", "-o", "takes.usd", "-q"]) == 0
+    before = (folder / "takes.usd").read_bytes()
+    assert main(["07_01.bvh", "cut.bvh", "-o", "takes.usd", "--strict", "--style", "x"]) == 2
+    assert (folder / "takes.usd").read_bytes() == before
+
+
+def test_folders_and_patterns(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "walk.bvh").rename(folder / "walk.txt")
+    assert main([".", "-o", "takes.usd", "--strict", "-q"]) == 2
+    assert CUT in capsys.readouterr().err
+    (folder / "cut.bvh").unlink()
+    assert main(["*.bvh", "w*", "-o", "takes.usd", "-q"]) == 0
+    assert list_takes("takes.usd") == ["Skeleton", "take_07_01", "walk"]
+    assert main(["no*.bvh", "-o", "other.usd"]) == 2
+    assert "no*.bvh: the pattern leads to no BVH, ASF/AMC, glTF or USD file" in capsys.readouterr().err
+
+
+def test_amc_options(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    motion = write_take(folder)
+    (folder / "tester.asf").rename(folder / "renamed.asf")
+    (folder / "second.asf").touch()
+    assert main([motion.name, "-o", "takes.usd"]) == 2
+    assert "none of renamed.asf, second.asf has its name; name one with --skeleton" in capsys.readouterr().err
+    assert main([motion.name, "-o", "takes.usd", "--skeleton", "renamed.asf", "--rate", "60"]) == 0
+    assert capsys.readouterr().out == "/Takes/tester_01\t2 frames\t60/s\ttester_01.amc\n"
+
+
+def test_gltf_rate(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    build_arm().write(folder, "arm.glb")
+    assert main(["arm.glb", "-o", "takes.usd", "--rate", "25"]) == 0
+    assert capsys.readouterr().out == "/Takes/arm\t26 frames\t25/s\tarm.glb\n"
+
+
+def test_listing_a_library(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["walk.bvh", "-o", "takes.usd", "-q", "--licence", "CC0, see file", "--style", "calm"]) == 0
+    sha256 = hashlib.sha256(f"{TAKE}\n".encode()).hexdigest()[:12]
+    for arguments in (["--list", "takes.usd"], ["-o", "takes.usd", "--list"]):
+        assert main(arguments) == 0
+        lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+        assert lines[0] == list(COLUMNS)
+        assert lines[1:] == [f"/Takes/walk 3 30 0.07 1 Skeleton calm walk.bvh {sha256} CC0, see file".split()]
+    assert main(["--list", "walk.bvh"]) == 2
+    assert "walk.bvh" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
-        ([], "the following arguments are required: FILE.bvh, -o/--output"),
+        ([], "the following arguments are required: FILE, -o/--output"),
+        (["-o", "t.usd"], "the following arguments are required: FILE"),
+        (["--list"], "--list needs a library: --list TAKES.usd"),
         (["walk.bvh"], "the following arguments are required: -o/--output"),
         (["walk.bvh", "-o", "t.usd", "--skip-frames", "x"], "argument --skip-frames: invalid int value: 'x'"),
         (["walk.bvh", "-o", "t.usd", "-q", "-v"], "not allowed with argument"),

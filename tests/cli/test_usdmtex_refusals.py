@@ -3,11 +3,13 @@
 from pathlib import Path
 
 import pytest
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, UsdSkel
 
 from mtex_usd import api
 from mtex_usd.cli.usdmtex import main
-from tests.cli.support import Capture, contents, failing
+from mtex_usd.cli.usdmtex_import import main as import_main
+from mtex_usd.errors import InputError
+from tests.cli.support import MODEL, SKETCH, Capture, contents, failing
 
 
 @pytest.mark.parametrize("name", ["walk.mtex.usd", "walk.mtex.stage.usda"])
@@ -64,7 +66,7 @@ def test_a_file_system_that_refuses(shot_folder: Path, capsys: Capture) -> None:
         ("text.usda", b"hello", "cannot read text.usda: "),
         ("text.usd", b"hello", "cannot read text.usd"),
         ("empty.usda", b"", "cannot read empty.usda: "),
-        ("broken.usda", b'#usda 1.0\ndef "A" {', "cannot read broken.usda: "),
+        ("broken.usda", b'#usda 1.0\ndef "A" {', "cannot read broken.usda: line 2: Expected }"),
         ("picture.png", b"hello", "cannot read picture.png"),
     ],
 )
@@ -86,6 +88,37 @@ def test_an_override_layer_is_no_shot(shot_folder: Path, capsys: Capture) -> Non
     assert main(["walk.usda", "-q"]) == 0
     error = failing(capsys, shot_folder, "walk.mtex.usd", code=2)
     assert "is an override layer, which holds no animation of its own. Give the shot or the thin root" in error
+
+
+def test_joints_that_repeat_name_their_skeleton(shot_folder: Path, capsys: Capture) -> None:
+    stage = Usd.Stage.Open("humanoid.usda")
+    joints = UsdSkel.Skeleton(stage.GetPrimAtPath(f"{MODEL}/Skeleton")).GetJointsAttr()
+    joints.Set([*joints.Get()[:-1], joints.Get()[0]])
+    stage.Save()
+    error = failing(capsys, shot_folder, "walk.usda", code=2)
+    assert f"{MODEL}/Skeleton: joint paths are not unique; found Hips" in error
+
+
+@pytest.mark.parametrize("kind", ["takes", "clip"])
+def test_other_layers_of_ours_are_no_output(shot_folder: Path, capsys: Capture, kind: str) -> None:
+    if kind == "takes":
+        api.import_takes("takes.usda", out="mine.usd")
+    else:
+        api.write_clip(api.read_clip("walk.usda", SKETCH), "mine.usd", "/walk")
+    error = failing(capsys, shot_folder, "walk.usda", "-o", "mine.usd", code=2)
+    assert "mine.usd exists and is left alone; expected an override layer to replace" in error
+
+
+@pytest.mark.parametrize("name", ["walk.mtex.usd", "walk.mtex.stage.usda"])
+def test_outputs_are_no_library_and_no_clip(shot_folder: Path, capsys: Capture, name: str) -> None:
+    assert main(["walk.usda", "-q"]) == 0
+    before = contents(shot_folder)
+    assert import_main(["takes.usda", "-o", name]) == 2
+    assert f"{name} exists and is left alone; expected a take library" in capsys.readouterr().err
+    assert import_main(["takes.usda", "-o", name, "--replace"]) == 2
+    with pytest.raises(InputError, match=f"{name} exists and is left alone; expected a clip"):
+        api.write_clip(api.read_clip("walk.usda", SKETCH), name, "/walk")
+    assert contents(shot_folder) == before
 
 
 def test_a_thin_root_whose_shot_is_gone(shot_folder: Path, capsys: Capture) -> None:

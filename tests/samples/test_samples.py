@@ -92,7 +92,8 @@ def takes() -> dict[str, FloatArray]:
 
 def test_the_committed_stages_are_what_the_script_writes() -> None:
     assert differing(FOLDER) == []
-    assert sorted(p.name for p in FOLDER.glob("*.usd*")) == sorted(STAGES)
+    # What usdmtex made of them, as the README's first command does, is the user's own.
+    assert sorted(p.name for p in FOLDER.glob("*.usd*") if ".mtex." not in p.name) == sorted(STAGES)
 
 
 def test_a_second_run_writes_the_same_bytes_elsewhere(tmp_path: Path) -> None:

@@ -50,6 +50,42 @@ def test_unbound_with_two_skeletons_is_an_error_that_lists_them(tmp_path: Path) 
         _find(shot, "/World/Char/Rig/Anim")
 
 
+def _name_skeleton(stage: Usd.Stage, animation: str, skeleton: str) -> None:
+    prim = stage.GetPrimAtPath(animation)
+    prim.AddAppliedSchema("MtexTakeAPI")
+    prim.CreateRelationship("mtex:take:skeleton", custom=False).SetTargets([skeleton])
+
+
+def test_unbound_is_played_by_the_skeleton_it_names(tmp_path: Path) -> None:
+    """Restyling inside a take library of several Skeletons; a name that leads nowhere else helps nobody."""
+    shot = build_unbound(tmp_path).shot
+    stage = _edit(shot)
+    UsdSkel.Skeleton.Define(stage, "/World/Char/Rig/Other")
+    _name_skeleton(stage, "/World/Char/Rig/Anim", "/World/Char/Rig/Other")
+    stage.Save()
+    (character,) = _find(shot, "/World/Char/Rig/Anim")
+    assert character.skeletons == (Sdf.Path("/World/Char/Rig/Other"),)
+    _name_skeleton(stage, "/World/Char/Rig/Anim", "/World/Char/Rig/Anim")
+    stage.Save()
+    with pytest.raises(StageError, match=r"no Skeleton plays .*name the Skeleton in the sketch's mtex:take:skeleton"):
+        _find(shot, "/World/Char/Rig/Anim")
+
+
+def test_a_skeleton_plays_one_unbound_sketch_and_the_one_that_names_it_first(tmp_path: Path) -> None:
+    """Of two that name the same the first has it; one that names nothing gets what is left."""
+    shot = build_unbound(tmp_path).shot
+    stage = _edit(shot)
+    UsdSkel.Skeleton.Define(stage, "/World/Char/Rig/Other")
+    for name in ("Second", "Third"):
+        UsdSkel.Animation.Define(stage, f"/World/Char/Rig/{name}")
+        _name_skeleton(stage, f"/World/Char/Rig/{name}", "/World/Char/Rig/Other")
+    stage.Save()
+    unnamed, named = _find(shot, "/World/Char/Rig/Anim", "/World/Char/Rig/Second")
+    assert (unnamed.skeletons[0].name, named.skeletons[0].name) == ("Skel", "Other")
+    with pytest.raises(StageError, match=r"no Skeleton plays .*/Third.*Other playing /World/Char/Rig/Second"):
+        _find(shot, "/World/Char/Rig/Second", "/World/Char/Rig/Third")
+
+
 def test_unbound_leaves_a_skeleton_to_the_sketch_it_plays(tmp_path: Path) -> None:
     """A Skeleton that plays one sketch is not taken over by another."""
     shot = build_unbound(tmp_path).shot

@@ -217,7 +217,7 @@ def test_our_own_files_of_another_kind_are_left_alone(local: Situation, tmp_path
     """A thin root, or a library of takes, is not an override layer to be replaced."""
     _, thin_root = _write(local, tmp_path / "shot.mtex.usd")
     before = thin_root.read_bytes()
-    with pytest.raises(InputError, match="is something else: stage"):
+    with pytest.raises(InputError, match="expected an override layer to replace, or no file; found a thin root"):
         _write(local, thin_root)
     assert thin_root.read_bytes() == before
 

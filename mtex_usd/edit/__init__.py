@@ -1,0 +1,1 @@
+"""Edits of recorded motion: pure functions from clip to clip."""

@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import CubicSpline
-from scipy.ndimage import gaussian_filter1d
+from scipy.ndimage import convolve1d
 
 __all__ = ["stretch_cubic"]
 
@@ -13,6 +13,9 @@ FloatArray = npt.NDArray[np.float64]
 
 # Frames beyond the fragment that the spline still sees; its influence fades by a factor of 4 a frame.
 _CONTEXT = 8
+# The window that takes are resampled with, and how far it reaches in steps of the compressed motion.
+_KAISER_BETA = 5.0
+_REACH = 4.0
 
 
 def stretch_cubic(curves: FloatArray, first: int, last: int, frame_count: int) -> FloatArray:
@@ -35,10 +38,12 @@ def stretch_cubic(curves: FloatArray, first: int, last: int, frame_count: int) -
     step = (last - first) / (frame_count - 1)
     if step == 1.0:
         return np.array(curves[first : last + 1])
-    begin, end = max(0, first - _CONTEXT), min(len(curves), last + 1 + _CONTEXT)
+    margin = int(np.ceil(_REACH * step)) if step > 1.0 else 0
+    context = _CONTEXT + margin
+    begin, end = max(0, first - context), min(len(curves), last + 1 + context)
     window = curves[begin:end]
-    if step > 1.0:
-        window = _low_pass(window, step)
+    if margin:
+        window = _low_pass(window, step, margin)
     return _spline_weights(len(window), first - begin, last - begin, frame_count) @ window
 
 
@@ -49,9 +54,9 @@ def _spline_weights(length: int, first: int, last: int, frame_count: int) -> Flo
     return np.asarray(spline(np.linspace(first, last, frame_count)))
 
 
-def _low_pass(window: FloatArray, step: float) -> FloatArray:
-    """Remove what a step of several frames cannot carry; the Gaussian that turns one frame's width into the step's."""
-    sigma = 0.5 * np.sqrt(step * step - 1.0)
-    margin = int(np.ceil(4.0 * sigma))
+def _low_pass(window: FloatArray, step: float, margin: int) -> FloatArray:
+    """Remove what a step of several frames cannot carry: a Kaiser-windowed sinc that cuts at half a step's rate."""
+    frames = np.arange(-margin, margin + 1)
+    kernel = np.sinc(frames / step) * np.kaiser(len(frames), _KAISER_BETA)
     padded = np.pad(window, ((margin, margin), (0, 0)), mode="reflect", reflect_type="odd")
-    return np.asarray(gaussian_filter1d(padded, sigma, axis=0)[margin : margin + len(window)])
+    return np.asarray(convolve1d(padded, kernel / kernel.sum(), axis=0)[margin : margin + len(window)])

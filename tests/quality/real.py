@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.ndimage import gaussian_filter1d
+from scipy.signal import get_window
 from scipy.spatial.transform import Rotation
 
 from tests.benchmarks.quality.cases import Case, Fold, load_folds
@@ -80,8 +80,10 @@ def _stretch(rotations, first, last, frames):
     step = (last - first) / (frames - 1)
     flat = rotations.reshape(len(rotations), -1)
     if step > 1.0:
-        padded = np.pad(flat, ((32, 32), (0, 0)), mode="reflect", reflect_type="odd")
-        flat = gaussian_filter1d(padded, 0.5 * np.sqrt(step * step - 1.0), axis=0)[32:-32]
+        reach = int(np.ceil(4.0 * step))
+        sinc = np.sinc(np.arange(-reach, reach + 1) / step) * get_window(("kaiser", 5.0), 2 * reach + 1, fftbins=False)
+        padded = np.pad(flat, ((reach, reach), (0, 0)), mode="reflect", reflect_type="odd")
+        flat = np.stack([np.convolve(column, sinc / sinc.sum(), mode="valid") for column in padded.T], axis=1)
     times = np.linspace(first, last, frames)
     values = CubicSpline(np.arange(len(flat)), flat)(times) if step != 1.0 else flat[times.astype(int)]
     stretched = values.reshape(frames, -1, 4)

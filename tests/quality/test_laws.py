@@ -60,10 +60,12 @@ class TestTexturing:
         ratios = [detail_energy(case, fold, result)[0] for fold, result in case_results(case, data_dir, setting, True)]
         assert 0.8 < np.mean(ratios) < 1.25
 
-    def test_dance_has_the_takes_energy_over_all_variants(self, data_dir):
-        # A phrase may be calmer or wilder than the others, here by factors of 0.2 to 2.2: only the mean says something.
+    @pytest.mark.parametrize("which", ["first", "all"])
+    def test_dance_has_the_takes_energy(self, data_dir, which):
+        # A phrase may be calmer or wilder than the others, here by factors of 0.03 to 3: only the mean says something.
         ratios = [detail_energy(DANCE, fold, result) for fold, result in case_results(DANCE, data_dir, DEFAULT, True)]
-        assert 0.8 < np.mean(np.concatenate(ratios)) < 1.25
+        counted = [ratio[:1] for ratio in ratios] if which == "first" else ratios
+        assert 0.8 < np.mean(np.concatenate(counted)) < 1.25
 
 
 def detail_energy(case, fold, result):

@@ -190,10 +190,10 @@ def import_takes(  # noqa: PLR0913 - options with names of their own
         report_progress(progress, done, len(sources), source.file_path.name)
         job.import_file(source)
     _check_failures(job, strict=strict)
-    if job.library is not None and job.library.takes:
-        job.library.write(target)
+    if job.collection is not None and job.collection.takes:
+        job.collection.write(target)
     report_progress(progress, len(sources), len(sources), "")
-    takes = job.library.takes if job.library is not None else ()
+    takes = job.collection.takes if job.collection is not None else ()
     return ImportResult(
         out=target, takes=takes, failures=tuple(job.failures), notes=tuple(job.notes), cleaned=tuple(job.cleaned)
     )
@@ -277,7 +277,7 @@ class _Job:
     clean: tuple[str, ...]
     style: str
     licence: str
-    library: TakeLibrary | None
+    collection: TakeLibrary | None
     failures: list[FailedFile] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     cleaned: list[CleanedTake] = field(default_factory=list)
@@ -306,18 +306,18 @@ class _Job:
             self._add(recording)
 
     def _add(self, recording: Recording) -> None:
-        if self.library is None:
+        if self.collection is None:
             unit, up_axis = recording.meters_per_unit or self.reading.meters_per_unit, recording.up_axis or "Y"
-            self.library = TakeLibrary(meters_per_unit=unit, up_axis=up_axis)
+            self.collection = TakeLibrary(meters_per_unit=unit, up_axis=up_axis)
         style = self.style or recording.style
         provenance = _describe_provenance(recording, style, self.licence, self.clean)
-        known = self.library.find(recording, provenance)
+        known = self.collection.find(recording, provenance)
         if known is not None:
             self.repeated += 1
             what = f"{recording.source}{f' ({recording.clip})' if recording.clip else ''}"
             self.notes.append(f"{what}: is in the library already as {known}; left out")
             return
-        self._write(self.library, recording, style, provenance)
+        self._write(self.collection, recording, style, provenance)
         self.notes += [f"{recording.source}: {note}" for note in recording.notes]
 
     def _write(self, library: TakeLibrary, recording: Recording, style: str, provenance: Provenance) -> None:
@@ -363,7 +363,7 @@ def report_progress(progress: ProgressCallback | None, done: int, total: int, wh
 
 
 def _check_failures(job: _Job, *, strict: bool) -> None:
-    any_good = bool(job.repeated or (job.library is not None and job.library.takes))
+    any_good = bool(job.repeated or (job.collection is not None and job.collection.takes))
     if any_good and not (job.failures and strict):
         return
     why = "--strict" if any_good else "no file could be read" if job.failures else "no file holds motion"

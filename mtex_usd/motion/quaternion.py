@@ -1,7 +1,7 @@
 """Unit quaternions as arrays [..., 4], real part first, in double precision.
 
-Products and the logarithm are written out; everything else with a branch or a singularity is scipy's. A quaternion q
-acts on column vectors: ``rotate(multiply(a, b), v)`` is ``rotate(a, rotate(b, v))``.
+Products, the logarithm and the mean are written out; Euler angles, matrices and exponentials are scipy's. A quaternion
+q acts on column vectors: ``rotate(multiply(a, b), v)`` is ``rotate(a, rotate(b, v))``.
 """
 
 import warnings

@@ -101,10 +101,15 @@ class Skeleton:
         return self.world_rotations(self.rest_rotations)
 
     @cached_property
+    def rest_positions(self) -> FloatArray:
+        """Joint positions at rest in skeleton space, skeleton units, shape [J, 3]."""
+        positions, _ = self.world_pose(self.rest_rotations, self.rest_translations)
+        return positions
+
+    @cached_property
     def height(self) -> float:
         """Extent of the rest pose along up, in skeleton units."""
-        positions, _ = self.world_pose(self.rest_rotations, self.rest_translations)
-        along = positions @ self.up
+        along = self.rest_positions @ self.up
         return float(along.max() - along.min())
 
     def world_rotations(self, rotations: FloatArray) -> FloatArray:

@@ -91,16 +91,11 @@ def _arc(source: FloatArray, target: FloatArray) -> FloatArray | None:
     return quaternion.exp(angle * axis / np.linalg.norm(axis))
 
 
-def _rest_positions(skeleton: Skeleton) -> FloatArray:
-    positions, _ = skeleton.world_pose(skeleton.rest_rotations, skeleton.rest_translations)
-    return positions
-
-
 def _yaw_between(
     take: Skeleton, sketch: Skeleton, take_hips: tuple[int, int], hips: tuple[int, int], upright: FloatArray | None
 ) -> float:
     """Turn about up from the take's hip axis to the sketch's at rest, radians."""
-    own, other = _rest_positions(sketch), _rest_positions(take)
+    own, other = sketch.rest_positions, take.rest_positions
     wanted = own[hips[1]] - own[hips[0]]
     given = other[take_hips[1]] - other[take_hips[0]]
     given = given if upright is None else quaternion.rotate(upright, given)

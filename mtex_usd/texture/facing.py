@@ -38,7 +38,7 @@ def find_hips(skeleton: Skeleton) -> tuple[int, int] | None:
     The legs are the two chains that end lowest at rest and part nearest the root; the hips are their first joints that
     stand apart. None where the skeleton has no two such chains.
     """
-    positions, _ = skeleton.world_pose(skeleton.rest_rotations, skeleton.rest_translations)
+    positions = skeleton.rest_positions
     heights = positions @ skeleton.up
     chains = [skeleton.chain(leaf) for leaf in _leaves(skeleton.parents)]
     lowest = min(chains, key=lambda chain: heights[chain[-1]])

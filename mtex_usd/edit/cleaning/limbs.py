@@ -70,7 +70,7 @@ class Swivel:
 @lru_cache(maxsize=64)
 def body_size(skeleton: Skeleton) -> float:
     """Give the largest extent of the rest pose along an axis, skeleton units: the height or the span of the arms."""
-    positions, _ = skeleton.world_pose(skeleton.rest_rotations, skeleton.rest_translations)
+    positions = skeleton.rest_positions
     return float(np.ptp(positions, axis=0).max())
 
 

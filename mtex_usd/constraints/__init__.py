@@ -1,0 +1,1 @@
+"""Constraints on motion: retargeting onto other characters, contacts, inverse kinematics, spacetime."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from mtex_usd.api import FailedFile, ImportResult, import_takes, list_takes, process, read_clip, write_clip
     from mtex_usd.motion.clip import Clip
     from mtex_usd.motion.skeleton import Skeleton
-    from mtex_usd.results import Fragment, PathVariant, Result
+    from mtex_usd.results import Fragment, PathVariant, Result, Retarget
 
 __version__ = "0.1.0"
 
@@ -32,6 +32,7 @@ __all__ = [
     "PathVariant",
     "Result",
     "ResultError",
+    "Retarget",
     "Skeleton",
     "StageError",
     "import_takes",
@@ -46,10 +47,13 @@ _HOMES = {
         ("FailedFile", "ImportResult", "import_takes", "list_takes", "process", "read_clip", "write_clip"),
         "mtex_usd.api",
     ),
-    **dict.fromkeys(("Fragment", "PathVariant", "Result"), "mtex_usd.results"),
+    **dict.fromkeys(("Fragment", "PathVariant", "Result", "Retarget"), "mtex_usd.results"),
     "Clip": "mtex_usd.motion.clip",
     "Skeleton": "mtex_usd.motion.skeleton",
 }
+
+
+_PACKAGES = ("constraints", "edit")
 
 
 def _register_schemas() -> None:
@@ -65,7 +69,9 @@ with suppress(InputError):
 
 
 def __getattr__(name: str) -> object:
-    """Load a public name from the module it lives in."""
+    """Load a public name from the module it lives in, or a public package."""
+    if name in _PACKAGES:
+        return import_module(f"mtex_usd.{name}")
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return getattr(import_module(_HOMES[name]), name)
@@ -73,4 +79,4 @@ def __getattr__(name: str) -> object:
 
 def __dir__() -> list[str]:
     """List the public names without loading them."""
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__all__, *_PACKAGES})

@@ -14,7 +14,7 @@ from mtex_usd.importing import (
     list_takes,
     report_progress,
 )
-from mtex_usd.results import PathVariant, Result
+from mtex_usd.results import PathVariant, Result, list_retargets
 from mtex_usd.texture.engine import texture_motion
 from mtex_usd.texture.result import TexturedMotion
 from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_paths, as_whole_number
@@ -102,7 +102,7 @@ def process(
     for done, job in enumerate(read_jobs(source.stage, cast.wanted)):
         report_progress(progress, done, len(cast.wanted), str(job.character.animation))
         recipe = replace(job.recipe, **overrides)
-        motion = texture_motion(job.sketch, job.takes, recipe)
+        motion = texture_motion(job.sketch, [take.clip for take in job.takes], recipe)
         _check_selection(select, motion)
         finished.append((job, motion))
     built = [build_result(job, motion) for job, motion in finished]
@@ -154,6 +154,7 @@ def _describe(job: Job, motion: TexturedMotion, target: Path, left_out: tuple[st
             for name, variant in zip(names, motion.variants, strict=True)
         ),
         texturing=motion,
+        retargets=list_retargets(job.takes),
         layer=target,
         stage=thin_root_path(target),
         notes=motion.notes if status.registered else (*motion.notes, status.message),

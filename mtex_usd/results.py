@@ -1,6 +1,6 @@
 """What :func:`mtex_usd.process` gives back: frozen objects with the names of the JSON file and of ``customData``."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from mtex_usd.constraints.retargeting import FittedTake, JointMap
 from mtex_usd.motion.clip import Clip
 from mtex_usd.texture.result import TexturedMotion, Variant
 
-__all__ = ["Fragment", "PathVariant", "Result"]
+__all__ = ["Fragment", "PathVariant", "Result", "Retarget", "list_retargets"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +115,70 @@ class PathVariant:
         return self.motion.curves
 
 
+@dataclass(frozen=True, kw_only=True)
+class Retarget:
+    """How takes of another skeleton were brought onto the character's.
+
+    Parameters
+    ----------
+    takes
+        Paths of the takes this holds for.
+    takeConvention, convention
+        Whose joint names the takes and the character have.
+    scale
+        Length of the character's legs in those of the takes'.
+    mapped
+        Joints of the take, with the weight of each, by joint of the character.
+    unmapped
+        Joints of the character that no take moves.
+    unused
+        Joints of the takes that move nothing.
+    """
+
+    takes: tuple[str, ...]
+    takeConvention: str  # noqa: N815 - the names in the JSON file
+    convention: str
+    scale: float
+    mapped: Mapping[str, Mapping[str, float]]
+    unmapped: tuple[str, ...]
+    unused: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Say it in one line."""
+        first, *others = self.takes
+        takes = f"{first} and {len(others)} more" if others else first
+        names = f"joints {_known(self.takeConvention)} to {_known(self.convention)}"
+        count = f"{len(self.mapped)} of {len(self.mapped) + len(self.unmapped)} joints follow"
+        return f"take {takes} retargeted, {names}: {count}, legs {self.scale:.3g} times as long"
+
+
+def _known(convention: str) -> str:
+    """How joints were recognised, in words."""
+    return "told by shape" if convention == "hierarchy" else f"named as {convention}"
+
+
+def list_retargets(takes: Sequence[FittedTake]) -> tuple[Retarget, ...]:
+    """Give what takes were retargeted, those with the same map together."""
+    groups: dict[JointMap, list[str]] = {}
+    for take in takes:
+        if take.joint_map is not None:
+            groups.setdefault(take.joint_map, []).append(take.clip.name)
+    return tuple(_describe_map(joint_map, names) for joint_map, names in groups.items())
+
+
+def _describe_map(joint_map: JointMap, takes: Sequence[str]) -> Retarget:
+    found, wanted = joint_map.anatomies
+    return Retarget(
+        takes=tuple(takes),
+        takeConvention=found.convention,
+        convention=wanted.convention,
+        scale=joint_map.scale,
+        mapped=joint_map.mapped,
+        unmapped=joint_map.unmapped,
+        unused=joint_map.unused,
+    )
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Result:
     """One sketch on one character.
@@ -132,6 +197,8 @@ class Result:
         All the method found, to check its laws by.
     layer, stage
         The files written; with ``dry_run`` those that would be.
+    retargets
+        What was brought from other skeletons onto the character's.
     notes
         What a user should know about this sketch.
     left_out
@@ -145,6 +212,7 @@ class Result:
     texturing: TexturedMotion
     layer: Path
     stage: Path
+    retargets: tuple[Retarget, ...]
     notes: tuple[str, ...]
     left_out: tuple[str, ...] = ()
 

@@ -5,6 +5,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 from mtex_usd.errors import InputError
@@ -55,7 +56,7 @@ def _is_table(file_path: Path) -> bool:
 
 
 def write_json(file_path: Path, results: Sequence[Result]) -> None:
-    """Write ``{version, results: [{anim, model, variantSet, variants: [customData of each]}]}``.
+    """Write ``{version, results: [{anim, model, variantSet, retargets, variants: [customData of each]}]}``.
 
     Parameters
     ----------
@@ -80,6 +81,7 @@ def _describe(result: Result) -> dict[str, object]:
         "anim": result.anim,
         "model": result.model,
         "variantSet": result.variantSet,
+        "retargets": [asdict(retarget) for retarget in result.retargets],
         "variants": [variant.custom_data for variant in result.variants],
     }
 

@@ -10,7 +10,7 @@ from mtex_usd.cli._progress import show_progress
 from mtex_usd.cli._run import hold_interrupts, report_error, run_command
 
 if TYPE_CHECKING:
-    from mtex_usd.results import Result
+    from mtex_usd.results import Result, Retarget
 
 __all__ = ["main"]
 
@@ -130,6 +130,9 @@ def _report(results: "Sequence[Result]", arguments: argparse.Namespace) -> None:
     for result in results:
         for note in result.notes:
             print(f"{_NAME}: note: {result.anim}: {note}", file=sys.stderr)
+        for retarget in result.retargets:
+            print(f"{_NAME}: note: {result.anim}: {retarget}", file=sys.stderr)
+            _report_joints(retarget, arguments)
     if arguments.json == Path("-"):
         return
     for result in results:
@@ -145,6 +148,22 @@ def _report(results: "Sequence[Result]", arguments: argparse.Namespace) -> None:
     if not arguments.dry_run:
         print(f"wrote {results[0].layer}")
         print(f"open {results[0].stage}")
+
+
+def _report_joints(retarget: "Retarget", arguments: argparse.Namespace) -> None:
+    """List on stderr what follows what and what follows nothing, where that is asked for."""
+    if not arguments.verbose:
+        return
+    for joint, sources in retarget.mapped.items():
+        weighed = {_last_name(name): weight for name, weight in sources.items()}
+        followed = " + ".join(name if weight == 1.0 else f"{weight:.2g} {name}" for name, weight in weighed.items())
+        print(f"  {_last_name(joint)} follows {followed}", file=sys.stderr)
+    print(f"  nothing moves: {', '.join(map(_last_name, retarget.unmapped)) or 'none'}", file=sys.stderr)
+    print(f"  of the take unused: {', '.join(map(_last_name, retarget.unused)) or 'none'}", file=sys.stderr)
+
+
+def _last_name(joint: str) -> str:
+    return joint.rpartition("/")[2]
 
 
 def _count(joins: int) -> str:

@@ -107,9 +107,14 @@ def _yaw_between(
 
 
 def _extent(skeleton: Skeleton, joints: Mapping[int, int], counted: list[int]) -> float:
-    """Summed length from each counted joint to its parent, over those that both skeletons have."""
-    own = [joints[i] for i in counted if i in joints and skeleton.parents[joints[i]] >= 0]
-    return float(np.linalg.norm(skeleton.rest_translations[own], axis=-1).sum())
+    """Summed distance from each counted joint to the next above it, over joints that both skeletons have."""
+    shared, places = set(joints.values()), skeleton.rest_positions
+    lengths = [0.0]
+    for joint in (joints[i] for i in counted if i in joints):
+        above = [other for other in skeleton.chain(joint)[:-1] if other in shared]
+        if above:
+            lengths.append(float(np.linalg.norm(places[joint] - places[above[-1]])))
+    return sum(lengths)
 
 
 def _ratio(own: float, other: float) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.anatomy import find_anatomy
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import IntArray, Skeleton
 from mtex_usd.texture.pyramid import decompose
@@ -35,9 +36,18 @@ def find_root(clip: Clip) -> int | None:
 def find_hips(skeleton: Skeleton) -> tuple[int, int] | None:
     """Find the two joints the legs begin with.
 
-    The legs are the two chains that end lowest at rest and part nearest the root; the hips are their first joints that
-    stand apart. None where the skeleton has no two such chains.
+    On a humanoid the thighs; else the legs are the two chains that end lowest at rest and part nearest the root, and
+    the hips their first joints that stand apart. None where the skeleton has no two such chains.
     """
+    anatomy = find_anatomy(skeleton)
+    if anatomy is not None and {"left.thigh", "right.thigh"} <= anatomy.parts.keys():
+        left, right = anatomy.parts["left.thigh"], anatomy.parts["right.thigh"]
+        return min(left, right), max(left, right)
+    return _find_lowest_limbs(skeleton)
+
+
+def _find_lowest_limbs(skeleton: Skeleton) -> tuple[int, int] | None:
+    """Give the first joints that stand apart of the two chains that end lowest at rest."""
     positions = skeleton.rest_positions
     heights = positions @ skeleton.up
     chains = [skeleton.chain(leaf) for leaf in _leaves(skeleton.parents)]

@@ -9,10 +9,11 @@ import numpy.typing as npt
 from mtex_usd.errors import InputError
 from mtex_usd.motion.channels import Channel, to_skeleton_rotations, to_skeleton_translations
 from mtex_usd.motion.clip import Clip
+from mtex_usd.motion.correspondence import corresponding_joints
 from mtex_usd.texture.alignment import align_skeletons
 from mtex_usd.texture.facing import Facing, find_root
 
-__all__ = ["Motion", "choose_root", "corresponding_joints", "read_sketch", "read_takes"]
+__all__ = ["Motion", "choose_root", "read_sketch", "read_takes"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -40,32 +41,6 @@ class Motion:
     offsets: FloatArray
     travel: FloatArray
     facing: Facing
-
-
-def corresponding_joints(joints: Sequence[str], wanted: Sequence[str]) -> dict[int, int]:
-    """Find where joints are in another skeleton: by full path, then by last name where both have it once.
-
-    Returns
-    -------
-    dict
-        Index in `joints` by index in `wanted`; joints without a counterpart are left out.
-    """
-    by_path = {joint: i for i, joint in enumerate(joints)}
-    by_name = _unique_names(joints)
-    unique = _unique_names(wanted)
-    found = {}
-    for i, joint in enumerate(wanted):
-        name = joint.rpartition("/")[2]
-        if joint in by_path:
-            found[i] = by_path[joint]
-        elif name in by_name and name in unique:
-            found[i] = by_name[name]
-    return found
-
-
-def _unique_names(joints: Sequence[str]) -> dict[str, int]:
-    names = [joint.rpartition("/")[2] for joint in joints]
-    return {name: i for i, name in enumerate(names) if names.count(name) == 1}
 
 
 def choose_root(sketch: Clip, takes: Sequence[Clip]) -> int:
@@ -130,7 +105,7 @@ def read_takes(
             f"{sketch.name}: no take has all joints with a role",
             expected=f"joints named {_names(lacking or needed, sketch)}",
             found="; ".join(notes) or "no takes",
-            fix="Use takes recorded on a skeleton with these joint names.",
+            fix="Use takes with joints of these names, or of a humanoid, or name pairs of joints in MtexRetargetAPI.",
         )
     return motions, notes
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from pxr import Sdf, Usd
 
+from mtex_usd.constraints.retargeting import FittedTake
 from mtex_usd.errors import StageError
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import Skeleton
@@ -16,6 +17,7 @@ from mtex_usd.texture.result import TexturedMotion, Variant
 from mtex_usd.usd.animation import AnimationSamples, fill_missing, sample_sketch, to_clip
 from mtex_usd.usd.characters import Character, find_characters
 from mtex_usd.usd.clip_io import ClipReader
+from mtex_usd.usd.fit_takes import fit_takes
 from mtex_usd.usd.override import CharacterResult, VariantSamples
 from mtex_usd.usd.recipe_targets import find_sketches, find_takes
 from mtex_usd.usd.schema import read_recipe
@@ -46,7 +48,7 @@ class Job:
     sketch
         The sketch on all joints of the character.
     takes
-        The takes at the sketch's rate.
+        The takes at the sketch's rate, on the character's joints where their own are others.
     recipe
         What the sketch carries.
     """
@@ -54,7 +56,7 @@ class Job:
     character: Character
     samples: AnimationSamples
     sketch: Clip
-    takes: tuple[Clip, ...]
+    takes: tuple[FittedTake, ...]
     recipe: Recipe
 
 
@@ -125,12 +127,14 @@ def read_jobs(stage: Usd.Stage, characters: Sequence[Character]) -> Iterator[Job
         samples = fill_missing(sample_sketch(stage, prim), skeleton)
         if len(samples.time_codes) < 2:
             raise StageError(f"{prim.GetPath()} is a single pose", expected="a sketch of at least two frames")
-        keys = [(take.GetPath(), samples.rate) for take in find_takes(stage, prim)]
-        for key in keys:
-            if key not in takes:
-                takes[key] = resample_clip(reader.read_take(stage.GetPrimAtPath(key[0])), samples.rate)
-        used = tuple(takes[key] for key in keys)
-        yield Job(character, samples, to_clip(samples, skeleton), used, read_recipe(prim))
+        take_prims = find_takes(stage, prim)
+        for take in take_prims:
+            if (take.GetPath(), samples.rate) not in takes:
+                takes[take.GetPath(), samples.rate] = resample_clip(reader.read_take(take), samples.rate)
+        recorded = [takes[take.GetPath(), samples.rate] for take in take_prims]
+        sketch = to_clip(samples, skeleton)
+        recipe = read_recipe(prim)
+        yield Job(character, samples, sketch, fit_takes(prim, sketch, take_prims, recorded), recipe)
 
 
 def build_result(job: Job, motion: TexturedMotion) -> CharacterResult:

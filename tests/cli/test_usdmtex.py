@@ -94,7 +94,7 @@ def test_the_file_says_what_the_layer_carries(shot_folder: Path, capsys: Capture
     assert table["version"] == 1
     (result,) = table["results"]
     variants = result.pop("variants")
-    assert result == {"anim": SKETCH, "model": MODEL, "variantSet": "mtex"}
+    assert result == {"anim": SKETCH, "model": MODEL, "variantSet": "mtex", "retargets": []}
     assert variants == [read_custom_data("walk.mtex.stage.usda", f"path_0{rank}") for rank in (1, 2, 3)]
     assert [variant["rank"] for variant in variants] == [1, 2, 3]
 

@@ -2,7 +2,7 @@
 
     python -m tests.pictures.sheet shot.mtex.stage.usda -o sheet.png --title "A walk"
 
-Each figure is drawn where it stands, or, with --in-place, in columns side by side.
+Figures are seen from their right side where they stand, or, with --in-place, each from its own in columns side by side.
 """
 
 import argparse
@@ -13,22 +13,26 @@ import matplotlib as mpl
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
+from mtex_usd.motion.anatomy import find_anatomy
+from mtex_usd.motion.skeleton import Skeleton
+from mtex_usd.texture.facing import find_hips
+from mtex_usd.usd.skeletons import read_skeleton
+
 mpl.use("Agg")
 from matplotlib import pyplot as plt
 
 LEFT, RIGHT, MIDDLE = "#0072b2", "#d55e00", "#444444"
 
 
-def read_positions(
-    stage: Usd.Stage, skeleton_path: str, time_codes: Sequence[float]
-) -> tuple[np.ndarray, list[str], list[int]]:
-    """Joint positions in skeleton space, shape [F, J, 3], with names and parents."""
-    cache = UsdSkel.Cache()
-    query = cache.GetSkelQuery(UsdSkel.Skeleton(stage.GetPrimAtPath(skeleton_path)))
-    topology = query.GetTopology()
-    names = [str(joint).rpartition("/")[2] for joint in query.GetJointOrder()]
-    frames = [np.array(query.ComputeJointSkelTransforms(t))[:, 3, :3] for t in time_codes]
-    return np.array(frames), names, [topology.GetParent(i) for i in range(len(names))]
+def read_positions(stage: Usd.Stage, skeleton_path: str, time_codes: Sequence[float]) -> np.ndarray:
+    """Joint positions in the world, shape [F, J, 3]."""
+    prim = stage.GetPrimAtPath(skeleton_path)
+    query = UsdSkel.Cache().GetSkelQuery(UsdSkel.Skeleton(prim))
+    frames = []
+    for time_code in time_codes:
+        world = UsdGeom.XformCache(time_code).GetLocalToWorldTransform(prim)
+        frames.append(np.array([matrix * world for matrix in query.ComputeJointSkelTransforms(time_code)])[:, 3, :3])
+    return np.array(frames)
 
 
 def find_set(stage: Usd.Stage) -> tuple[Usd.Prim, str]:
@@ -46,31 +50,43 @@ def find_skeleton(model: Usd.Prim) -> str:
     return next(str(prim.GetPath()) for prim in prims if prim.IsA(UsdSkel.Skeleton))
 
 
-def side_of(name: str) -> str:
-    """Colour of a bone by its side."""
-    lower = name.lower()
-    if lower.startswith("left") or (lower[0] == "l" and not lower.startswith("lower")):
-        return LEFT
-    if lower.startswith("right") or lower[0] == "r":
-        return RIGHT
-    return MIDDLE
+def colour_joints(skeleton: Skeleton) -> list[str]:
+    """Colour of every joint's bone by the side of the body it is on."""
+    anatomy = find_anatomy(skeleton)
+    begins = {} if anatomy is None else anatomy.parts
+    sides = {LEFT: "left.", RIGHT: "right."}
+    colours = []
+    for joint in range(len(skeleton.joints)):
+        above = skeleton.chain(joint)
+        found = [
+            c for c, side in sides.items() if any(j in above for part, j in begins.items() if part.startswith(side))
+        ]
+        colours.append(found[0] if found else MIDDLE)
+    return colours
 
 
-def ground_axes(up: int) -> tuple[int, int]:
-    """The two axes that span the ground."""
-    return (2, 0) if up == 1 else (0, 1)
+def find_view(pose: np.ndarray, skeleton: Skeleton, up: np.ndarray) -> np.ndarray:
+    """The level direction a figure faces: it is drawn from its right side."""
+    hips = find_hips(skeleton)
+    across = pose[hips[1]] - pose[hips[0]] if hips else np.eye(3)[0]
+    anatomy = find_anatomy(skeleton)
+    if anatomy is not None and hips and hips[0] == anatomy.parts["right.thigh"]:
+        across = -across
+    front = np.cross(up, across)
+    return front / np.linalg.norm(front)
 
 
 def draw_row(
-    axes: plt.Axes, positions: np.ndarray, names: list[str], parents: list[int], up: int, shifts: np.ndarray
+    axes: plt.Axes, positions: np.ndarray, skeleton: Skeleton, up: np.ndarray, views: np.ndarray, shifts: np.ndarray
 ) -> None:
-    """Draw one row of figures, seen along the ground's second axis."""
-    along, _ = ground_axes(up)
-    for pose, shift in zip(positions, shifts, strict=True):
-        for joint, parent in enumerate(parents):
-            if parent >= 0:
-                ends = pose[[parent, joint]]
-                axes.plot(ends[:, along] + shift, ends[:, up], color=side_of(names[joint]), linewidth=1.1)
+    """Draw one row of figures, each seen across its view; bones that no rest pose places are left out."""
+    colours = colour_joints(skeleton)
+    longest = 0.5 * np.ptp(positions[0] @ up)
+    for pose, view, shift in zip(positions, views, shifts, strict=True):
+        for joint, parent in enumerate(skeleton.parents):
+            ends = pose[[parent, joint]]
+            if parent >= 0 and np.linalg.norm(ends[1] - ends[0]) < longest:
+                axes.plot(ends @ view + shift, ends @ up, color=colours[joint], linewidth=1.1)
     axes.set_aspect("equal")
     axes.axis("off")
 
@@ -79,19 +95,24 @@ def make_sheet(stage_path: Path, out: Path, *, variants: Sequence[str], count: i
     """Draw the chosen variants of a written stage."""
     stage = Usd.Stage.Open(str(stage_path))
     model, set_name = find_set(stage)
-    up = 1 if UsdGeom.GetStageUpAxis(stage) == "Y" else 2
+    up = np.eye(3)[1 if UsdGeom.GetStageUpAxis(stage) == "Y" else 2]
     times = np.linspace(stage.GetStartTimeCode(), stage.GetEndTimeCode(), count).round()
     names = list(variants) or ["original", *model.GetVariantSet(set_name).GetVariantNames()[1:4]]
     figure, rows = plt.subplots(len(names), 1, figsize=(12, 2.1 * len(names)), squeeze=False)
     for axes, name in zip(rows[:, 0], names, strict=True):
         prim = Sdf.CreatePrimInLayer(stage.GetSessionLayer(), model.GetPath())
         prim.variantSelections[set_name] = name
-        positions, joints, parents = read_positions(stage, find_skeleton(model), times)
-        height = np.ptp(positions[0][:, up])
-        along = ground_axes(up)[0]
-        roots = positions[:, 0, along]
-        shifts = np.arange(count) * 0.75 * height - roots if in_place else np.zeros(count)
-        draw_row(axes, positions, joints, parents, up, shifts)
+        skeleton_path = find_skeleton(model)
+        skeleton = read_skeleton(stage.GetPrimAtPath(skeleton_path))
+        positions = read_positions(stage, skeleton_path, times)
+        views = np.array([find_view(pose, skeleton, up) for pose in positions])
+        shifts = np.zeros(count)
+        if in_place:
+            spread = np.arange(count) * 0.75 * np.ptp(positions[0] @ up)
+            shifts = spread - np.sum(positions[:, 0] * views, axis=1)
+        else:
+            views[:] = find_view(positions[0], skeleton, up)
+        draw_row(axes, positions, skeleton, up, views, shifts)
         axes.set_title(name, loc="left", fontsize=9, family="monospace")
     figure.suptitle(title, fontsize=11)
     figure.tight_layout()

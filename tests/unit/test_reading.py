@@ -8,7 +8,8 @@ import pytest
 from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
 from mtex_usd.motion.channels import Channel
-from mtex_usd.texture.reading import choose_root, corresponding_joints, read_sketch, read_takes
+from mtex_usd.motion.correspondence import corresponding_joints
+from mtex_usd.texture.reading import choose_root, read_sketch, read_takes
 from tests.synthetic import (
     HEAD,
     HIPS,
@@ -100,6 +101,6 @@ def test_takes_without_a_role_joint_are_noted_and_if_all_lack_it_refused():
     with pytest.raises(
         InputError,
         match=f"no take has all joints with a role; expected joints named {LEFT_ARM}; found "
-        f"take /Lame is left out: it has no {LEFT_ARM}. Use takes recorded",
+        f"take /Lame is left out: it has no {LEFT_ARM}. Use takes with joints of these names",
     ):
         read_takes([lame], sketch, 0, 4, [ARM])

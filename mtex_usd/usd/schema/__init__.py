@@ -6,10 +6,12 @@ only where its schema is applied, so that ``delete apiSchemas`` in a stronger la
 """
 
 from mtex_usd.usd.schema.applied import api_instances, authored, has_api
+from mtex_usd.usd.schema.retarget import RETARGET_API, read_pairs
 from mtex_usd.usd.schema.sketch import SEGMENT_API, SKETCH_API, TAKES_PROPERTY, read_recipe
 from mtex_usd.usd.schema.take import TAKE_API, TakeSettings, read_take_settings
 
 __all__ = [
+    "RETARGET_API",
     "SEGMENT_API",
     "SKETCH_API",
     "TAKES_PROPERTY",
@@ -18,6 +20,7 @@ __all__ = [
     "api_instances",
     "authored",
     "has_api",
+    "read_pairs",
     "read_recipe",
     "read_take_settings",
 ]

@@ -1,0 +1,209 @@
+"""How a body stands in its rest pose: where its head, its left, its front and its floor are.
+
+A rest pose need not stand: some rigs keep one that lies on its back in the space its animation stands in. What the body
+itself says then counts, and the turn that brings it upright is kept apart.
+"""
+
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.spatial.transform import Rotation
+
+from mtex_usd.motion import quaternion
+from mtex_usd.motion.anatomy import SIDES, Anatomy
+from mtex_usd.motion.clip import Clip
+from mtex_usd.motion.skeleton import Skeleton
+
+__all__ = ["Body", "estimate_ground", "measure_body", "measure_scale", "rest_ground", "shortest_turn", "stand_on"]
+
+FloatArray = npt.NDArray[np.float64]
+
+# A body within this of an axis was built along it; the few degrees are its build, not its stance.
+_ALONG = np.cos(np.radians(25.0))
+_NEARLY_OPPOSITE = -1.0 + 1e-6
+_LOWEST_PERCENT = 2.0
+_NEAR_ZERO = 0.2  # of the height of the hips
+_LEG = ("thigh", "shin", "foot")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Body:
+    """The rest pose as a body.
+
+    Parameters
+    ----------
+    frame
+        Rotation whose x, y and z axes are the body's left, up and front in skeleton space, real first, shape [4].
+    upright
+        Rotation that brings the rest pose upright in skeleton space, shape [4].
+    lowest
+        Height of the lowest joint of the feet in the upright rest pose, skeleton units along up.
+    """
+
+    frame: FloatArray
+    upright: FloatArray
+    lowest: float
+
+    @property
+    def is_upright(self) -> bool:
+        """Whether the rest pose stands as it is."""
+        return bool(abs(self.upright[0]) == 1.0)
+
+    @property
+    def standing(self) -> FloatArray:
+        """The body's axes once it stands, real first, shape [4]."""
+        return quaternion.multiply(self.upright, self.frame)
+
+
+def measure_body(skeleton: Skeleton, anatomy: Anatomy) -> Body:
+    """Measure the rest pose of a humanoid.
+
+    Parameters
+    ----------
+    skeleton
+        Any rest pose, upright or not.
+    anatomy
+        Its parts, the hips among them.
+
+    Returns
+    -------
+    Body
+        Up is the skeleton's own where the trunk is within 25 degrees of it, else the axis the trunk is built along.
+    """
+    positions, parts = skeleton.rest_positions, anatomy.parts
+    up, side = _axes(skeleton, anatomy)
+    frame = Rotation.from_matrix(np.stack([side, up, np.cross(side, up)], axis=1)).as_quat(scalar_first=True)
+    upright = shortest_turn(up, skeleton.up, side)
+    feet = [joint for part, joint in parts.items() if part.partition(".")[2] in ("foot", "toes")]
+    heights = quaternion.rotate(upright, positions[feet or [parts["hips"]]]) @ skeleton.up
+    return Body(frame=frame, upright=upright, lowest=float(heights.min()))
+
+
+def estimate_ground(clip: Clip, anatomy: Anatomy, body: Body) -> float:
+    """Tell the height of the floor in skeleton space: zero, or where the rest pose stands.
+
+    Captured motion stands on zero; a rig may have its floor elsewhere. What is nearer to where the feet of the clip get
+    to is taken.
+
+    Parameters
+    ----------
+    clip, anatomy, body
+        A motion, the parts of its skeleton and its rest pose as a body.
+
+    Returns
+    -------
+    float
+        Height along the skeleton's up, skeleton units.
+    """
+    feet = [anatomy.parts[f"{side}.foot"] for side in SIDES if f"{side}.foot" in anatomy.parts]
+    if not feet:
+        return 0.0
+    positions = clip.skeleton.joint_positions(feet, clip.rotations, clip.translations)
+    lowest = float(np.percentile(positions @ clip.skeleton.up, _LOWEST_PERCENT))
+    return min((0.0, body.lowest), key=lambda height: abs(lowest - height))
+
+
+def rest_ground(skeleton: Skeleton, anatomy: Anatomy, body: Body) -> float:
+    """Tell the height of the floor from the rest pose alone.
+
+    Zero where the rest pose stands near it, or has its hips there as captures do, else where the rest pose stands.
+    """
+    hips = float(quaternion.rotate(body.upright, skeleton.rest_positions[anatomy.parts["hips"]]) @ skeleton.up)
+    near = _NEAR_ZERO * (hips - body.lowest)
+    return 0.0 if abs(body.lowest) < near or abs(hips) < near else body.lowest
+
+
+def stand_on(skeleton: Skeleton, anatomy: Anatomy, body: Body, ground: float) -> FloatArray:
+    """Give the place on the floor below the hips of the upright rest pose, shape [3]."""
+    hips = quaternion.rotate(body.upright, skeleton.rest_positions[anatomy.parts["hips"]])
+    return np.asarray(hips + (ground - hips @ skeleton.up) * skeleton.up)
+
+
+def measure_scale(source: Skeleton, found: Anatomy, target: Skeleton, wanted: Anatomy) -> float:
+    """Give the length of the target's legs in those of the source's (Gleicher 2000, section 1.7.2.4).
+
+    Parameters
+    ----------
+    source, target
+        The skeletons.
+    found, wanted
+        Their parts. What is measured is thigh and shin, as far as both have them; else the trunk.
+    """
+    for parts in ([f"{side}.{part}" for side in SIDES for part in _LEG], ["hips", "neck"], ["hips", "head"]):
+        shared = [part for part in parts if part in found.parts and part in wanted.parts]
+        own, other = (_length_along(*each, shared) for each in ((target, wanted), (source, found)))
+        if own > 0.0 and other > 0.0:
+            return own / other
+    return 1.0
+
+
+def _length_along(skeleton: Skeleton, anatomy: Anatomy, parts: list[str]) -> float:
+    """Sum of the distances between parts that follow each other on one limb."""
+    places = {part: skeleton.rest_positions[anatomy.parts[part]] for part in parts}
+    pairs = itertools.pairwise(parts)
+    return float(
+        sum(
+            np.linalg.norm(places[b] - places[a])
+            for a, b in pairs
+            if a.partition(".")[0] == b.partition(".")[0] or "." not in a
+        )
+    )
+
+
+def shortest_turn(source: FloatArray, target: FloatArray, around: FloatArray) -> FloatArray:
+    """Give the shortest rotations from unit vectors to others; where they are opposite, half a turn about `around`.
+
+    Parameters
+    ----------
+    source, target, around
+        Shapes [..., 3], broadcast.
+
+    Returns
+    -------
+    FloatArray
+        Real first, shape [..., 4].
+    """
+    source, target, around = np.broadcast_arrays(source, target, around)
+    cosine = np.sum(source * target, axis=-1, keepdims=True)
+    turn = np.concatenate([1.0 + cosine, np.cross(source, target)], axis=-1)
+    half = np.concatenate([np.zeros_like(cosine), _across(around, source)], axis=-1)
+    return quaternion.normalize(np.where(cosine > _NEARLY_OPPOSITE, turn, half))
+
+
+def _axes(skeleton: Skeleton, anatomy: Anatomy) -> tuple[FloatArray, FloatArray]:
+    """The body's up and left in skeleton space; without thighs, the skeleton's own up and any side."""
+    positions, parts = skeleton.rest_positions, anatomy.parts
+    if not {"left.thigh", "right.thigh"} <= parts.keys():
+        turn = shortest_turn(np.array([0.0, 1.0, 0.0]), skeleton.up, np.array([1.0, 0.0, 0.0]))
+        return skeleton.up, quaternion.rotate(turn, np.array([1.0, 0.0, 0.0]))
+    left, right = positions[parts["left.thigh"]], positions[parts["right.thigh"]]
+    trunk = _unit(_top(positions, anatomy) - (left + right) / 2.0)
+    up = _snap(trunk, skeleton.up, *np.eye(3), *-np.eye(3))
+    return up, _snap(_unit(_across(left - right, up)), *_level_axes(up))
+
+
+def _top(positions: FloatArray, anatomy: Anatomy) -> FloatArray:
+    """The upper end of the trunk; without one, the hips."""
+    part = next(part for part in ("neck", "head", "chest", "hips") if part in anatomy.parts)
+    return np.asarray(positions[anatomy.parts[part]])
+
+
+def _across(vectors: FloatArray, axis: FloatArray) -> FloatArray:
+    """The parts of vectors across unit axes; shapes [..., 3]."""
+    return np.asarray(vectors - np.sum(vectors * axis, axis=-1, keepdims=True) * axis)
+
+
+def _unit(vector: FloatArray) -> FloatArray:
+    return np.asarray(vector / np.linalg.norm(vector))
+
+
+def _snap(direction: FloatArray, *axes: FloatArray) -> FloatArray:
+    """Give the first axis that a direction is along, else the direction."""
+    return next((axis for axis in axes if direction @ axis > _ALONG), direction)
+
+
+def _level_axes(up: FloatArray) -> list[FloatArray]:
+    """Signed coordinate axes that are across a direction."""
+    return [axis for axis in (*np.eye(3), *-np.eye(3)) if abs(axis @ up) < 1e-6]

@@ -1,0 +1,152 @@
+"""Which joint of a take drives which joint of a character, found by names and shape or said by the user."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+from mtex_usd.constraints.retargeting.body import measure_body, measure_scale
+from mtex_usd.constraints.retargeting.sections import Section, find_sections
+from mtex_usd.constraints.retargeting.transfer import Share, Stance, find_shares
+from mtex_usd.errors import InputError
+from mtex_usd.motion.anatomy import Anatomy, find_anatomy
+from mtex_usd.motion.correspondence import corresponding_joints
+from mtex_usd.motion.skeleton import Skeleton
+
+__all__ = ["JointMap", "Pair", "map_joints"]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A pair of joints the user names.
+
+    Parameters
+    ----------
+    joint
+        Of the character, full path or last name where that is unique.
+    source
+        Of the take; empty where the joint is to be left at rest.
+    """
+
+    joint: str
+    source: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JointMap:
+    """What maps to what.
+
+    Parameters
+    ----------
+    stance
+        The two skeletons and how their rest poses are laid on each other.
+    anatomies
+        The parts of the take's skeleton and of the character's, as mapped.
+    sections
+        Where both have joints.
+    """
+
+    stance: Stance
+    anatomies: tuple[Anatomy, Anatomy]
+    sections: tuple[Section, ...]
+
+    @property
+    def shares(self) -> tuple[Share, ...]:
+        """What turns each mapped joint, in the character's order."""
+        shares = [share for section in self.sections for share in find_shares(section, self.stance)]
+        return tuple(sorted(shares, key=lambda share: share.joint))
+
+    @property
+    def scale(self) -> float:
+        """Length of the character's legs in those of the take's."""
+        found, wanted = self.anatomies
+        return measure_scale(self.stance.source, found, self.stance.target, wanted)
+
+    @property
+    def mapped(self) -> dict[str, dict[str, float]]:
+        """Joints of the take, with the weight of each, by joint of the character; full paths."""
+        own, others = self.stance.target.joints, self.stance.source.joints
+        return {own[s.joint]: {others[joint]: weight for joint, weight in s.sources} for s in self.shares}
+
+    @property
+    def unmapped(self) -> tuple[str, ...]:
+        """Joints of the character that stay at rest."""
+        mapped = self.mapped
+        return tuple(joint for joint in self.stance.target.joints if joint not in mapped)
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """Joints of the take that drive nothing."""
+        used = {joint for sources in self.mapped.values() for joint in sources}
+        return tuple(joint for joint in self.stance.source.joints if joint not in used)
+
+
+def map_joints(source: Skeleton, target: Skeleton, pairs: Sequence[Pair] = ()) -> JointMap:
+    """Map a take's joints to a character's.
+
+    Parameters
+    ----------
+    source, target
+        The take's skeleton and the character's.
+    pairs
+        What the user says; stronger than what is recognised.
+
+    Returns
+    -------
+    JointMap
+        Parts are recognised by the names of the common conventions, else by the shape of the skeleton.
+
+    Raises
+    ------
+    InputError
+        Where a pair names a joint that is not there, or one of the skeletons is no humanoid.
+    """
+    said = {_find_joint(p.joint, target): _find_joint(p.source, source) if p.source else None for p in pairs}
+    pairs_said = {joint: other for joint, other in said.items() if other is not None}
+    left_out = said.keys() - pairs_said.keys()
+    found, wanted = (
+        _recognise(source, "take", said=pairs_said.values()),
+        _recognise(target, "character", said=pairs_said),
+    )
+    part_of = {joint: part for part, joint in wanted.parts.items()}
+    found, wanted = _apply_pairs(found, wanted, pairs_said, left_out)
+    further = {joint: other for joint, other in pairs_said.items() if joint not in part_of}
+    stance = Stance(source=source, target=target, bodies=(measure_body(source, found), measure_body(target, wanted)))
+    named = corresponding_joints(source.joints, target.joints)
+    sections = find_sections(source, found, target, wanted, pairs=further, named=named, left_out=left_out)
+    return JointMap(stance=stance, anatomies=(found, wanted), sections=tuple(sections))
+
+
+def _recognise(skeleton: Skeleton, whose: str, *, said: Collection[int]) -> Anatomy:
+    """Find the parts; a skeleton that is no humanoid begins at the topmost joint the user names."""
+    anatomy = find_anatomy(skeleton)
+    if anatomy is not None:
+        return anatomy
+    if not said:
+        raise InputError(
+            f"the {whose}'s skeleton cannot be retargeted",
+            expected="a humanoid (hips, two legs with thigh and shin), or pairs of joints from MtexRetargetAPI",
+            found=", ".join(joint.rpartition("/")[2] for joint in skeleton.joints),
+        )
+    return Anatomy("pairs", {"hips": min(said, key=lambda joint: len(skeleton.chain(joint)))})
+
+
+def _find_joint(name: str, skeleton: Skeleton) -> int:
+    if name in skeleton.joints:
+        return skeleton.joints.index(name)
+    names = [joint.rpartition("/")[2] for joint in skeleton.joints]
+    if names.count(name) == 1:
+        return names.index(name)
+    several = name in names
+    raise InputError(
+        f"{name!r} {'names several joints' if several else 'names no joint'} to retarget",
+        expected="the full joint path" if several else f"one of the joints {', '.join(names)}",
+        found=", ".join(joint for joint in skeleton.joints if joint.endswith(f"/{name}")) if several else name,
+    )
+
+
+def _apply_pairs(
+    found: Anatomy, wanted: Anatomy, pairs: Mapping[int, int], left_out: Collection[int]
+) -> tuple[Anatomy, Anatomy]:
+    """Give the parts as the user has them."""
+    said = {part: pairs[joint] for part, joint in wanted.parts.items() if joint in pairs}
+    kept = {part: joint for part, joint in wanted.parts.items() if joint not in left_out}
+    return Anatomy(found.convention, {**found.parts, **said}), Anatomy(wanted.convention, kept)

@@ -1,6 +1,6 @@
 """The method from end to end on clips (Pullen & Bregler 2002, section 3)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -29,7 +29,9 @@ FloatArray = npt.NDArray[np.float64]
 _STILL = 1e-3
 
 
-def texture_motion(sketch: Clip, takes: Sequence[Clip], recipe: Recipe) -> TexturedMotion:
+def texture_motion(
+    sketch: Clip, takes: Sequence[Clip], recipe: Recipe, *, held: Mapping[int, FloatArray] | None = None
+) -> TexturedMotion:
     """Texture and synthesize a sketch from takes.
 
     Parameters
@@ -41,6 +43,9 @@ def texture_motion(sketch: Clip, takes: Sequence[Clip], recipe: Recipe) -> Textu
         correspond by full path, then by unique last name.
     recipe
         What to match, texture and synthesize, and how.
+    held
+        How far the texturing of a joint is held back at every frame, 0 to 1, shape [F], by joint: as where its foot is
+        on the floor (Pullen & Bregler 2002, section 4.1).
 
     Returns
     -------
@@ -63,7 +68,7 @@ def texture_motion(sketch: Clip, takes: Sequence[Clip], recipe: Recipe) -> Textu
     fragments = find_sketch_fragments(roles, pools, sketch.frame_count)
     candidates = find_candidates(roles, pools, fragments, recipe)
     join_frames = round(recipe.join_time * sketch.rate)
-    finisher = Finisher(own, motions, space, roles, fragments, candidates, join_frames)
+    finisher = Finisher(own, motions, space, roles, fragments, candidates, join_frames, held or {})
     curves = [space.to_curves(finisher.take_copy(take)) for take in range(len(motions))]
     sliding = np.concatenate([np.zeros(3 * len(space.whole), dtype=np.bool_), space.sliding])
     lattice = build_lattice(candidates, fragments, curves, sliding, recipe)

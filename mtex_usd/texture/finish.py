@@ -5,7 +5,7 @@ m. Synthesis (section 4.1): the joined path without its highest band.
 """
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -72,6 +72,8 @@ class Finisher:
         Candidates per sketch fragment, length Q.
     join_frames
         N of the joining blend.
+    held
+        How far the texturing of joints is held back at every frame, shape [F], by joint.
     """
 
     sketch: Motion
@@ -81,6 +83,7 @@ class Finisher:
     fragments: IntArray
     candidates: Sequence[Candidates]
     join_frames: int
+    held: Mapping[int, FloatArray] = field(default_factory=dict)
     _copied: dict[int, Copied] = field(default_factory=dict)
     _residuals: dict[int, FloatArray] = field(default_factory=dict)
     _stretched: dict[tuple[int, int, int, int], Copied] = field(default_factory=dict)
@@ -108,7 +111,16 @@ class Finisher:
     @cached_property
     def textured(self) -> FloatArray:
         """How far each column is textured at each frame, shape [F, C]."""
-        return self.roles.weights(self.space.channels, lambda span: span.texture, self.join_frames)
+        return self._free * self.roles.weights(self.space.channels, lambda span: span.texture, self.join_frames)
+
+    @cached_property
+    def _free(self) -> FloatArray:
+        """How far each column may be textured at each frame, shape [F, C]."""
+        free = np.ones((self.sketch.clip.frame_count, len(self.space.channels)))
+        for column, channel in enumerate(self.space.channels):
+            if channel.joint in self.held:
+                free[:, column] -= self.held[channel.joint]
+        return free
 
     @cached_property
     def synthesized(self) -> FloatArray:
@@ -251,11 +263,12 @@ class Finisher:
 
     def _texture_weight(self, bands: tuple[int, int]) -> FloatArray:
         """How far each column is textured with some bands at each frame, shape [F, C]."""
-        return self.roles.weights(
+        weights = self.roles.weights(
             self.space.channels,
             lambda span: span.texture if span.texture_bands == bands else frozenset(),
             self.join_frames,
         )
+        return self._free * weights
 
 
 def _stretch(copied: Copied, first: int, last: int, frames: int) -> Copied:

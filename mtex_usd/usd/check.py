@@ -17,7 +17,7 @@ from pxr import Sdf, Usd, UsdSkel
 
 from mtex_usd.errors import ResultError, StageError
 from mtex_usd.usd.diagnostics import open_layer
-from mtex_usd.usd.override import ORIGINAL, CharacterResult, VariantSamples, variant_names
+from mtex_usd.usd.override import ORIGINAL, CharacterResult, VariantSamples
 from mtex_usd.usd.thin_root import find_stacked
 
 __all__ = ["check_override"]
@@ -100,7 +100,7 @@ def _check_stage(reader: _Reader, results: Sequence[CharacterResult]) -> None:
     for result in results:
         _check_original(reader, cache, result)
     for i in range(max(len(result.variants) for result in results)):
-        names = [variant_names(len(result.variants))[min(i, len(result.variants) - 1)] for result in results]
+        names = [result.names[min(i, len(result.names) - 1)] for result in results]
         _select(reader.stage, results, names)
         cache = UsdSkel.Cache()
         for name, result in zip(names, results, strict=True):

@@ -59,9 +59,20 @@ class VariantSamples:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CharacterResult:
-    """The versions of one sketch on one character, the best first."""
+    """The versions of one animation on one character.
+
+    Parameters
+    ----------
+    character
+        Who plays it.
+    names
+        What the variants are called, ``original`` not among them.
+    variants
+        One per name; the first is selected unless the user chose another.
+    """
 
     character: Character
+    names: tuple[str, ...]
     variants: tuple[VariantSamples, ...]
 
 
@@ -134,7 +145,7 @@ def _build_layer(stage: Usd.Stage, results: Sequence[CharacterResult], selection
 
 
 def _set_of(result: CharacterResult) -> tuple[Sdf.Path, str, tuple[str, ...]]:
-    return result.character.model, result.character.variant_set, (*variant_names(len(result.variants)), ORIGINAL)
+    return result.character.model, result.character.variant_set, (*result.names, ORIGINAL)
 
 
 def _author_character(layer: Sdf.Layer, stage: Usd.Stage, result: CharacterResult, selected: str) -> None:
@@ -148,7 +159,7 @@ def _author_character(layer: Sdf.Layer, stage: Usd.Stage, result: CharacterResul
     original = _author_output(Sdf.VariantSpec(variant_set, ORIGINAL).primSpec, character, recipe)
     if _loses_clips(stage, character):
         _copy_samples(stage.GetPrimAtPath(character.animation), original)
-    for name, samples in zip(variant_names(len(result.variants)), result.variants, strict=True):
+    for name, samples in zip(result.names, result.variants, strict=True):
         variant = Sdf.VariantSpec(variant_set, name).primSpec
         _author_bindings(layer, character, variant.path)
         _author_uninstanced(layer, stage, character, variant.path)

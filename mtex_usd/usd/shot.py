@@ -18,7 +18,7 @@ from mtex_usd.usd.animation import AnimationSamples, fill_missing, sample_sketch
 from mtex_usd.usd.characters import Character, find_characters
 from mtex_usd.usd.clip_io import ClipReader
 from mtex_usd.usd.fit_takes import fit_takes
-from mtex_usd.usd.override import CharacterResult, VariantSamples
+from mtex_usd.usd.override import CharacterResult, VariantSamples, variant_names
 from mtex_usd.usd.recipe_targets import find_sketches, find_takes
 from mtex_usd.usd.schema import read_recipe
 from mtex_usd.usd.skeletons import find_bindings
@@ -141,7 +141,7 @@ def build_result(job: Job, motion: TexturedMotion) -> CharacterResult:
     """Give what each variant will say: the sketch's own arrays, bit for bit where nothing was copied."""
     added = _added_joints(job, motion)
     variants = tuple(_build_samples(job, motion, variant, added) for variant in motion.variants)
-    return CharacterResult(character=job.character, variants=variants)
+    return CharacterResult(character=job.character, names=variant_names(len(variants)), variants=variants)
 
 
 def _touched(motion: TexturedMotion, kind: str) -> dict[str, None]:

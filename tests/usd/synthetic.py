@@ -8,7 +8,7 @@ from pxr import Sdf, Usd
 
 from mtex_usd.motion import quaternion
 from mtex_usd.usd.characters import Character, find_characters
-from mtex_usd.usd.override import CharacterResult, VariantSamples
+from mtex_usd.usd.override import CharacterResult, VariantSamples, variant_names
 from tests.usd.playback import animation_arrays
 from tests.usd.stage_parts import ADDED_JOINT, OFFSETS, Situation
 
@@ -33,7 +33,7 @@ def make_result(stage: Usd.Stage, character: Character, number: int, variants: i
         _make_variant(joints, time_codes, rotations, translations, 5.0 * (k + 1) + 0.5 * number)
         for k in range(variants)
     )
-    return CharacterResult(character=character, variants=samples)
+    return CharacterResult(character=character, names=variant_names(len(samples)), variants=samples)
 
 
 def _make_variant(

@@ -11,7 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 from mtex_usd.errors import InputError
 from mtex_usd.usd.check import check_override
 from mtex_usd.usd.custom_data import from_metadata, to_metadata
-from mtex_usd.usd.override import CharacterResult, variant_names, write_override
+from mtex_usd.usd.override import variant_names, write_override
 from mtex_usd.usd.source_stage import open_source
 from tests.usd.base_situations import build_animation_layer, build_local
 from tests.usd.more_situations import build_nested_instances, build_other_rates, build_package, build_two_sketches
@@ -128,7 +128,7 @@ def test_range_is_the_shots_extended_to_the_result(tmp_path: Path) -> None:
     stage = open_source(situation.shot).stage
     (result,) = make_results(stage, situation)
     moved = [replace(variant, time_codes=np.linspace(-10, 100, 13)) for variant in result.variants]
-    result = CharacterResult(character=result.character, variants=tuple(moved))
+    result = replace(result, variants=tuple(moved))
     for file_path in write_override(stage, [result], tmp_path / "shot.mtex.usd"):
         layer = Sdf.Layer.FindOrOpen(str(file_path))
         assert (layer.startTimeCode, layer.endTimeCode) == (-10, 121)

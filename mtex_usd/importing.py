@@ -16,7 +16,7 @@ from mtex_usd.usd.atomic import check_target
 from mtex_usd.usd.clean_recording import clean_recording
 from mtex_usd.usd.take_entries import Provenance, TakeEntry, list_entries, open_library_layer
 from mtex_usd.usd.take_library import TakeLibrary, WrittenTake
-from mtex_usd.usd.usd_takes import read_usd
+from mtex_usd.usd.usd_process import UsdReader
 
 __all__ = [
     "CleanedTake",
@@ -176,7 +176,12 @@ def import_takes(  # noqa: PLR0913 - options with names of their own
     if not sources and not lost:
         raise InputError("no files to import", expected="at least one BVH, AMC, glTF or USD file")
     reading = _Reading(
-        meters_per_unit, up_axis, rate, as_file_path(skeleton, "skeleton") if skeleton else None, skip_frames
+        meters_per_unit,
+        up_axis,
+        rate,
+        as_file_path(skeleton, "skeleton") if skeleton else None,
+        skip_frames,
+        UsdReader(),
     )
     job = _Job(
         reading,
@@ -186,9 +191,10 @@ def import_takes(  # noqa: PLR0913 - options with names of their own
         TakeLibrary.open(target) if target.exists() and not replace_library else None,
     )
     job.failures += [_describe_failure(error) for error in lost]
-    for done, source in enumerate(sources):
-        report_progress(progress, done, len(sources), source.file_path.name)
-        job.import_file(source)
+    with reading.usd_reader:
+        for done, source in enumerate(sources):
+            report_progress(progress, done, len(sources), source.file_path.name)
+            job.import_file(source)
     _check_failures(job, strict=strict)
     if job.collection is not None and job.collection.takes:
         job.collection.write(target)
@@ -233,6 +239,7 @@ class _Reading:
     rate: float | None
     skeleton: Path | None
     skip_frames: int
+    usd_reader: UsdReader
 
     def read(self, file_path: Path, kind: FileKind) -> tuple[list[Recording], Sequence[FormatError]]:
         """Give the motions of a file, and why some of them could not be read."""
@@ -248,7 +255,7 @@ class _Reading:
     def _read_whole(self, file_path: Path, kind: FileKind) -> tuple[Sequence[Recording], Sequence[FormatError]]:
         match kind:
             case "usd":
-                takes = read_usd(file_path)
+                takes = self.usd_reader.read(file_path)
                 return takes.recordings, takes.failures
             case "gltf":
                 # Imported here: no other format needs its reader.

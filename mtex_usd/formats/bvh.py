@@ -4,6 +4,7 @@ The format is described by Meredith & Maddock 2001, *Motion Capture File Formats
 differ, see :mod:`mtex_usd.formats.bvh_text`.
 """
 
+from functools import reduce
 from pathlib import Path
 
 import numpy as np
@@ -64,10 +65,12 @@ def _compose_rotations(joints: tuple[BvhJoint, ...], columns: tuple[int, ...], v
     rotations = np.zeros((len(values), len(joints), 4))
     rotations[..., 0] = 1.0
     for order, members in _group_by_rotations(joints).items():
+        turns = []
         for position, axis in enumerate(order):
             picked = [columns[j] + _rotation_columns(joints[j])[position] for j in members]
-            turn = turn_about("xyz".index(axis), values[:, picked])
-            rotations[:, members] = quaternion.multiply(rotations[:, members], turn)
+            turns.append(turn_about("xyz".index(axis), values[:, picked]))
+        if turns:
+            rotations[:, members] = reduce(quaternion.multiply, turns)
     return rotations
 
 

@@ -158,7 +158,7 @@ class _Rows:
 
     def _to_numbers(self) -> FloatArray:
         try:
-            numbers = np.array(list(map(float, chain.from_iterable(self.rows))))
+            numbers = np.fromiter(map(float, chain.from_iterable(self.rows)), dtype=np.float64)
         except ValueError:
             numbers = np.array([np.nan])
         if not np.all(np.abs(numbers) < np.finfo(np.float32).max):

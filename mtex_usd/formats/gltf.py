@@ -140,7 +140,7 @@ def _record(
     file: GltfFile, nodes: Sequence[GltfNode], group: JointGroup, curves: _Curves, *, clip: str, rate: float | None
 ) -> Recording:
     times, rate = _choose_times(file, curves, rate, joint_count=len(group.joints))
-    with np.errstate(over="ignore", invalid="ignore"):  # of absurd but finite keys; checked below
+    with np.errstate(all="ignore"):  # of absurd but finite keys; checked below
         rest, pose = fold_pose(file, nodes, group.joints, _sample_curves(curves, times), frame_count=len(times))
     _check_finite(file, rest)
     _check_finite(file, pose)

@@ -5,7 +5,6 @@ anything of any type anywhere.
 """
 
 import base64
-import binascii
 import json
 import struct
 import warnings
@@ -291,7 +290,7 @@ class GltfFile:
             raise self.error(f"buffers[{index}] should be base64, found {head[:40]!r}")
         try:
             return base64.b64decode(body, validate=True)
-        except binascii.Error as error:
+        except ValueError as error:  # of base64, or of letters that are not ASCII
             raise self.error(f"buffers[{index}] is no base64: {error}") from error
 
     def _read_companion(self, index: int, uri: str) -> bytes:
@@ -300,7 +299,7 @@ class GltfFile:
             companion = self.file_path.parent / unquote(parts.path)
             if parts.scheme or parts.netloc or not parts.path or parts.path.startswith("/") or not companion.is_file():
                 raise self.error(f"buffers[{index}]: cannot read {uri[:80]!r} beside the file")
-        except ValueError as error:
+        except (ValueError, OSError) as error:  # an address that is none, a name longer than names may be
             raise self.error(f"buffers[{index}]: bad name {uri[:80]!r}") from error
         if companion not in self.companions:
             self.companions.append(companion)
@@ -308,7 +307,8 @@ class GltfFile:
 
 
 def _to_floats(raw: npt.NDArray[Any], *, normalized: bool) -> FloatArray:
-    values = raw.astype(np.float64)
+    with np.errstate(invalid="ignore"):  # of a NaN that signals; what is not finite is refused further on
+        values = raw.astype(np.float64)
     if not normalized or raw.dtype.kind == "f":
         return values
     values /= np.iinfo(raw.dtype).max

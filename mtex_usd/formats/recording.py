@@ -12,6 +12,13 @@ __all__ = ["ChannelLimit", "FormatError", "NoMotionError", "Recording"]
 
 FloatArray = npt.NDArray[np.float64]
 
+_LARGEST = float(np.finfo(np.float32).max)
+_LARGEST_SCALE = float(np.finfo(np.float16).max)
+_SLOWEST, _FASTEST = 1e-5, 1e7  # frames per second
+_SMALLEST_UNIT, _LARGEST_UNIT = 1e-12, 1e12  # metres
+_LONGEST_PATHS = 20_000_000  # characters of all joint paths, which grow with the square of the depth
+_LONGEST_REASON = 500  # characters; damaged files make parsers quote them by the page
+
 
 class FormatError(InputError):
     """A motion file that cannot be read.
@@ -29,9 +36,18 @@ class FormatError(InputError):
     def __init__(self, file_path: Path, line: int | None, reason: str) -> None:
         self.file_path = file_path
         self.line = line
-        self.reason = reason
+        self.reason = _shorten(reason)
         place = str(file_path) if line is None else f"{file_path}:{line}"
-        super().__init__(f"{place}: {reason}")
+        super().__init__(f"{place}: {self.reason}")
+
+    def __reduce__(self) -> tuple[type["FormatError"], tuple[Path, int | None, str]]:
+        """Let it be pickled, from one process to another."""
+        return type(self), (self.file_path, self.line, self.reason)
+
+
+def _shorten(reason: str) -> str:
+    half = _LONGEST_REASON // 2
+    return reason if len(reason) <= _LONGEST_REASON else f"{reason[:half]} … {reason[-half:]}"
 
 
 class NoMotionError(FormatError):
@@ -109,6 +125,13 @@ class Recording:
         there are no limits.
     notes
         What a user should know about the reading.
+
+    Raises
+    ------
+    FormatError
+        Where a number is not finite, or too large for the precision in which USD keeps it: single for rotations,
+        translations and the rest pose, half for scales; the rate, unit or up axis is none; or joints hang on each other
+        so deep that their paths would fill the memory.
     """
 
     source: Path
@@ -132,6 +155,34 @@ class Recording:
     limits: tuple[ChannelLimit, ...] = ()
     dof_axes: FloatArray | None = None
     notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse numbers that a take cannot hold."""
+        for name in ("rotations", "translations", "offsets", "rest", "bind", "placement"):
+            self._check_range(name, _LARGEST)
+        self._check_range("scales", _LARGEST_SCALE)
+        self._check_depth()
+        if not _SLOWEST <= self.rate <= _FASTEST:
+            raise FormatError(self.source, None, f"bad rate of {self.rate:g} frames per second")
+        if self.meters_per_unit is not None and not _SMALLEST_UNIT <= self.meters_per_unit <= _LARGEST_UNIT:
+            raise FormatError(self.source, None, f"bad unit of {self.meters_per_unit:g} metres")
+        if self.up_axis not in {None, "Y", "Z"}:
+            raise FormatError(self.source, None, f"bad up axis {self.up_axis!r}; expected Y or Z")
+
+    def _check_range(self, name: str, largest: float) -> None:
+        values: FloatArray | None = getattr(self, name)
+        # Not by np.abs, whose copy takes as long as the rest of the check; NaN is in no range.
+        if values is None or not values.size or (values.max() <= largest and values.min() >= -largest):
+            return
+        reason = f"{name} hold a number that is not finite or larger than {largest:.5g}, which no take can hold"
+        raise FormatError(self.source, None, f"{self.clip}: {reason}" if self.clip else reason)
+
+    def _check_depth(self) -> None:
+        lengths: list[int] = []
+        for name, parent in zip(self.names, self.parents, strict=True):
+            lengths.append(len(name) + (lengths[parent] + 1 if parent >= 0 else 0))
+        if sum(lengths) > _LONGEST_PATHS:
+            raise FormatError(self.source, None, f"its {len(lengths)} joints are nested too deep for any skeleton")
 
     @property
     def frame_count(self) -> int:

@@ -15,6 +15,7 @@ _GRAMMAR = re.compile(r"parse error matching .* at '")
 _PLACE = re.compile(r"^\S.*?:(\d+):\d+: ")
 _FOLLOWS = re.compile(r"Failed to open layer @.*@")
 _CRATE_HEAD = b"PXR-USDC"
+_MOST_ERRORS = 10
 
 
 def describe_error(error: Exception) -> str:
@@ -27,7 +28,8 @@ def describe_error(error: Exception) -> str:
     """
     if not isinstance(error, Tf.ErrorException):
         return str(error)
-    said = [_comment(part) if isinstance(part, Tf.Error) else str(part) for part in error.args]
+    # One bracket too many can be thousands of errors, each of which quotes the rest of the file.
+    said = [_comment(part) if isinstance(part, Tf.Error) else str(part) for part in error.args[:_MOST_ERRORS]]
     lines = dict.fromkeys(_GRAMMAR.sub("parse error at '", " ".join(text.split())) for text in said)
     # The text parser says each error twice, the second time with file and line.
     news = [line for line in lines if not any(line != other and other.endswith(line) for other in lines)]

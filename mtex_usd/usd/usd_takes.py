@@ -11,6 +11,7 @@ from pxr import Sdf, Tf, Usd, UsdGeom, UsdSkel
 
 from mtex_usd.errors import InputError, MtexError
 from mtex_usd.formats.recording import FormatError, NoMotionError, Recording
+from mtex_usd.formats.source_text import LARGEST
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import FloatArray
 from mtex_usd.usd.atomic import layer_kind
@@ -30,6 +31,8 @@ _TYPES = {
     "restTransforms": Sdf.ValueTypeNames.Matrix4dArray,
     "bindTransforms": Sdf.ValueTypeNames.Matrix4dArray,
 }
+_POSES = ("restTransforms", "bindTransforms")
+_FLATTEST = 1e-6  # of the box that a joint's axes span, each of length 1
 _MOST_FRAMES = 1_000_000
 _OUTPUTS = {"override", "stage"}
 _DAMAGE = (Tf.ErrorException, UnicodeDecodeError)  # what USD's functions raise at damaged values
@@ -72,7 +75,8 @@ def read_usd(file_path: Path) -> UsdTakes:
         Where USD cannot open it; :class:`~mtex_usd.formats.recording.NoMotionError` where no SkelAnimation has joints.
     """
     try:
-        with _open_stage(file_path) as stage:
+        # Damaged numbers may overflow on the way; what comes of them is checked in the end.
+        with np.errstate(all="ignore"), _open_stage(file_path) as stage:
             return _read_animations(file_path, stage)
     except _DAMAGE as error:
         raise FormatError(file_path, None, f"cannot be read: {describe_error(error)}") from error
@@ -84,6 +88,8 @@ def _read_animations(file_path: Path, stage: Usd.Stage) -> UsdTakes:
     prims = _find_animations(stage)
     if not prims:
         raise NoMotionError(file_path, None, "the stage has no SkelAnimation with joints")
+    if UsdGeom.GetStageUpAxis(stage) not in {"Y", "Z"}:
+        raise FormatError(file_path, None, f"bad upAxis {UsdGeom.GetStageUpAxis(stage)!r}; expected Y or Z")
     reader = ClipReader(stage)
     recordings, failures = [], []
     for prim in prims:
@@ -93,6 +99,8 @@ def _read_animations(file_path: Path, stage: Usd.Stage) -> UsdTakes:
             failures.append(FormatError(file_path, None, str(error)))
         except _DAMAGE as error:
             failures.append(FormatError(file_path, None, f"{prim.GetPath()}: {describe_error(error)}"))
+        except (TypeError, ValueError) as error:  # samples of another type than their attribute has
+            failures.append(FormatError(file_path, None, f"{prim.GetPath()}: its values are of a wrong type: {error}"))
     return UsdTakes(recordings=tuple(recordings), failures=tuple(failures))
 
 
@@ -146,11 +154,35 @@ def _check_length(prim: Usd.Prim) -> None:
         )
 
 
+def _check_skeleton(reader: ClipReader, skeleton: Usd.Prim) -> None:
+    """Refuse transforms that are no place or pose, on which arithmetic would fail further on."""
+    placement = _read_placement(skeleton)
+    for name, values in (("place", placement), *((name, _read_matrices(skeleton, name)) for name in _POSES)):
+        # A pose with a number that is none is left to the reader, which takes the other pose.
+        if values is not None and np.any(np.abs(values) > LARGEST):
+            raise InputError(f"{skeleton.GetPath()}: its {name} has a number too large for any scene")
+    if not np.all(np.isfinite(placement)):
+        raise InputError(f"{skeleton.GetPath()}: its place is not finite", fix="Correct the transforms above it.")
+    rest = reader.read_skeleton(skeleton)
+    axes = rest.rest[:, :3, :3]
+    volumes = np.abs(np.linalg.det(axes / np.linalg.norm(axes, axis=-1, keepdims=True)))
+    if not np.all(volumes > _FLATTEST):
+        joint = rest.joints[int(np.argmin(volumes))]
+        raise InputError(f"{skeleton.GetPath()}: the rest pose of {joint} is flat, so that it has no rotation")
+
+
+def _read_matrices(prim: Usd.Prim, name: str) -> FloatArray | None:
+    value = prim.GetAttribute(name).Get()
+    return None if value is None else np.array(value, dtype=np.float64)
+
+
 def _record(file_path: Path, reader: ClipReader, prim: Usd.Prim, *, alone: bool) -> Recording:
     skeleton = reader.find_skeleton(prim)
     for part in (prim, skeleton) if skeleton else (prim,):
         _check_types(part)
     _check_length(prim)
+    if skeleton:
+        _check_skeleton(reader, skeleton)
     clip = reader.read_take(prim)
     stage = prim.GetStage()
     return Recording(

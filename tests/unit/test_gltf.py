@@ -210,6 +210,8 @@ def edit(*path: Any, to: Any) -> Callable[[dict[str, Any]], None]:
         (edit("buffers", 0, "uri", to="gone.bin"), r"buffers\[0\]: cannot read 'gone\.bin' beside the file"),
         (edit("buffers", 0, "uri", to="http://example.org/a.bin"), r"buffers\[0\]: cannot read 'http://example"),
         (edit("buffers", 0, "uri", to="data:x;base64,@@@"), r"buffers\[0\] is no base64"),
+        (edit("buffers", 0, "uri", to="data:x;base64,ä"), r"buffers\[0\] is no base64"),
+        (edit("buffers", 0, "uri", to="a" * 5000), r"buffers\[0\]: bad name 'aaa"),
         (edit("buffers", 0, "uri", to="data:text/plain,abc"), r"buffers\[0\] should be base64"),
         (edit("buffers", 0, to={"byteLength": 1}), r"buffers\[0\] has no bytes"),
     ],
@@ -234,6 +236,30 @@ def test_bad_keys_are_reported(tmp_path: Path, values: Any, times: Any, reason: 
     builder = Builder([{}], joints=[[0]])
     builder.animate((0, "translation", builder.times(times), builder.accessor(values), "LINEAR"))
     with pytest.raises(FormatError, match=reason):
+        read_gltf(builder.write(tmp_path))
+
+
+def test_a_number_that_signals_is_refused_without_a_warning(tmp_path: Path) -> None:
+    builder = build_arm()
+    view = builder.document["bufferViews"][builder.document["accessors"][2]["bufferView"]]
+    start = view["byteOffset"]
+    builder.data = builder.data[:start] + b"\x01\x00\x80\x7f" + builder.data[start + 4 :]
+    with pytest.raises(FormatError, match=r"accessors\[2\] holds a number that is not finite"):
+        read_gltf(builder.write(tmp_path))
+
+
+def test_scales_beyond_half_precision_are_refused(tmp_path: Path) -> None:
+    builder = Builder([{"name": "A"}], joints=[[0]])
+    times, scales = builder.times([0.0, 1.0]), builder.accessor(np.array([[1.0, 1.0, 1.0], [1.0, 7e4, 1.0]]))
+    builder.animate((0, "scale", times, scales, "LINEAR"))
+    with pytest.raises(FormatError, match="scales hold a number that is not finite or larger than 65504"):
+        read_gltf(builder.write(tmp_path))
+
+
+def test_a_scale_of_nothing_above_a_joint_is_refused_without_a_warning(tmp_path: Path) -> None:
+    builder = build_arm()
+    builder.document["nodes"][0]["scale"] = [0.01, 1e-320, 0.01]
+    with pytest.raises(FormatError, match="scaled to nothing"):
         read_gltf(builder.write(tmp_path))
 
 

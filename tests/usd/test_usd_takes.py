@@ -1,6 +1,7 @@
 """USD stages as sources of takes."""
 
 import re
+import time
 import zipfile
 from pathlib import Path
 
@@ -11,44 +12,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel
 from mtex_usd.api import import_takes, list_takes, read_clip
 from mtex_usd.formats.recording import FormatError, NoMotionError
 from mtex_usd.usd.usd_takes import read_usd
-
-CHARACTER = """#usda 1.0
-(
-    metersPerUnit = 0.1
-    upAxis = "Z"
-    timeCodesPerSecond = 48
-    framesPerSecond = 24
-)
-def SkelRoot "Hero"
-{
-    def Skeleton "Rig" (prepend apiSchemas = ["SkelBindingAPI"])
-    {
-        rel skel:animationSource = </Hero/Walk>
-        uniform token[] joints = ["L", "L/Hand", "R", "R/Hand"]
-        uniform matrix4d[] restTransforms = [
-            ((0, 1, 0, 0), (-1, 0, 0, 0), (0, 0, 1, 0), (1, 2, 3, 1)),
-            ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (4, 0, 0, 1)),
-            ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (5, 0, 0, 1)),
-            ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (6, 0, 0, 1))]
-        uniform matrix4d[] bindTransforms = [
-            ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (1, 0, 0, 1)),
-            ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (2, 0, 0, 1)),
-            ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (3, 0, 0, 1)),
-            ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (4, 0, 0, 1))]
-        double3 xformOp:translate = (0, 7, 0)
-        uniform token[] xformOpOrder = ["xformOp:translate"]
-    }
-    def SkelAnimation "Walk"
-    {
-        uniform token[] joints = ["R/Hand", "L"]
-        quatf[] rotations.timeSamples = {
-            10: [(1, 0, 0, 0), (0.8, 0.6, 0, 0)], 12: [(1, 0, 0, 0), (0.6, 0.8, 0, 0)], 14: [(1, 0, 0, 0), (0, 1, 0, 0)]
-        }
-        float3[] translations = [(9, 9, 9), (8, 8, 8)]
-        half3[] scales = [(1, 1, 1), (1, 2, 1)]
-    }
-}
-"""
+from tests.usd.character import CHARACTER
 
 
 @pytest.fixture
@@ -208,6 +172,16 @@ def test_stages_that_cannot_be_read_or_hold_nothing(tmp_path: Path) -> None:
             "/Hero/Walk is too long to read; expected at most 1000000 frames; found time samples from 10",
         ),
         ("(0.8, 0.6, 0, 0)", "(nan, 0.6, 0, 0)", "/Hero/Walk: rotations are not finite; found joint L at time code 10"),
+        ("(4, 0, 0, 1)", "(4e38, 0, 0, 1)", "/Hero/Rig: its restTransforms has a number too large for any scene"),
+        ("(0, 7, 0)", "(0, 1e39, 0)", "/Hero/Rig: its place has a number too large for any scene"),
+        ("(0, 7, 0)", "(0, nan, 0)", "/Hero/Rig: its place is not finite; Correct|/Hero/Rig: its place is not finite"),
+        (
+            "((0, 1, 0, 0), (-1, 0, 0, 0)",
+            "((1e9, 0, 0, 0), (1e9, 1e-3, 0, 0)",
+            "/Hero/Rig: the rest pose of L is flat, so that it has no rotation",
+        ),
+        ("(1, 1, 1), (1, 2, 1)]", "(1, 1, 1), (1, inf, 1)]", "/Hero/Walk: scales are not finite; found joint L"),
+        ("metersPerUnit = 0.1", "metersPerUnit = inf", "bad unit of inf metres"),
         ('["R/Hand", "L"]', '["R/Hand"]', r"rotations does not fit the joints at time code 10; expected 1 elements"),
     ],
 )
@@ -215,6 +189,36 @@ def test_damaged_animations_are_reported(character: Path, tmp_path: Path, old: s
     (tmp_path / "bad.usda").write_text(CHARACTER.replace(old, new))
     (failure,) = read_usd(tmp_path / "bad.usda").failures
     assert re.search(reason, failure.reason), failure.reason
+
+
+def test_an_up_axis_that_is_none_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "bad.usda").write_text(CHARACTER.replace('upAxis = "Z"', 'upAxis = "W"'))
+    with pytest.raises(FormatError, match=r"bad\.usda: bad upAxis 'W'; expected Y or Z"):
+        read_usd(tmp_path / "bad.usda")
+
+
+def test_samples_of_another_type_than_their_attribute_are_reported(tmp_path: Path) -> None:
+    """Text files cannot hold them; in crate files eight bytes are a sample's type and where it is."""
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    layer.ImportFromString(CHARACTER)
+    layer.Export(str(tmp_path / "bad.usdc"))
+    crate = (tmp_path / "bad.usdc").read_bytes()
+    references = [match.start() for match in re.finditer(rb"(?s)......\x11\x80", crate)]  # to arrays of quatf
+    assert references
+    inlined_bool = b"\1\0\0\0\0\0\1\x40"
+    (tmp_path / "bad.usdc").write_bytes(crate[: references[0]] + inlined_bool + crate[references[0] + 8 :])
+    (failure,) = read_usd(tmp_path / "bad.usdc").failures
+    assert failure.reason.startswith("/Hero/Walk: its values are of a wrong type")
+
+
+def test_thousands_of_errors_take_no_longer_than_a_few(tmp_path: Path) -> None:
+    """USD's parser makes an error of each bracket, and every one quotes the rest of the file."""
+    (tmp_path / "deep.usda").write_text(CHARACTER.replace("metersPerUnit = 0.1", f"metersPerUnit = {'(' * 3000}"))
+    start = time.perf_counter()
+    with pytest.raises(FormatError, match="cannot be read: Tuple nesting too deep") as caught:
+        read_usd(tmp_path / "deep.usda")
+    assert time.perf_counter() - start < 10.0
+    assert len(str(caught.value)) < 1000
 
 
 def test_what_we_made_of_a_shot_is_no_recording(tmp_path: Path) -> None:

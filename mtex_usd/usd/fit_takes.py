@@ -37,18 +37,17 @@ def fit_takes(
         Where a pair names a joint that is not there; a pair on the sketch has to fit one of its takes at least.
     """
     general = read_pairs(sketch_prim)
-    _check_general(sketch_prim, general, takes)
+    _check_general(sketch_prim, general, sketch, takes)
     fitted = []
     for prim, take in zip(take_prims, takes, strict=True):
         own = read_pairs(prim)
-        said = {pair.joint for pair in own}
-        pairs = [pair for pair in general if pair.joint not in said and (not pair.source or _has(take, pair.source))]
+        known = [pair for pair in general if not pair.source or _has(take, pair.source)]
+        pairs = [pair for pair in known if not any(_is_same(pair.joint, other.joint) for other in own)]
         try:
             fitted.append(fit_take(take, sketch, (*own, *pairs)))
         except InputError as error:
-            raise InputError(
-                f"{prim.GetPath()}: {error.message}", expected=error.expected, found=error.found
-            ) from error
+            message = f"{prim.GetPath()}: {error.message}"
+            raise InputError(message, expected=error.expected, found=error.found, fix=error.fix) from error
     return tuple(fitted)
 
 
@@ -56,8 +55,18 @@ def _has(take: Clip, joint: str) -> bool:
     return any(joint in (path, path.rpartition("/")[2]) for path in take.joints)
 
 
-def _check_general(sketch_prim: Usd.Prim, pairs: Sequence[Pair], takes: Sequence[Clip]) -> None:
+def _is_same(joint: str, other: str) -> bool:
+    """Whether two names may be one joint's: one may be the path, the other its last name."""
+    return joint == other or joint.endswith(f"/{other}") or other.endswith(f"/{joint}")
+
+
+def _check_general(sketch_prim: Usd.Prim, pairs: Sequence[Pair], sketch: Clip, takes: Sequence[Clip]) -> None:
     for pair in pairs:
+        if not _has(sketch, pair.joint):
+            raise InputError(
+                f"{sketch_prim.GetPath()}.mtex:retarget:pairs: the character has no joint {pair.joint!r}",
+                expected=f"one of {', '.join(path.rpartition('/')[2] for path in sketch.joints)}",
+            )
         if pair.source and not any(_has(take, pair.source) for take in takes):
             raise InputError(
                 f"{sketch_prim.GetPath()}.mtex:retarget:pairs: no take has a joint {pair.source!r}",

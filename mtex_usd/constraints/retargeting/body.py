@@ -23,8 +23,10 @@ FloatArray = npt.NDArray[np.float64]
 # A body within this of an axis was built along it; the few degrees are its build, not its stance.
 _ALONG = np.cos(np.radians(25.0))
 _NEARLY_OPPOSITE = -1.0 + 1e-6
+_NO_LENGTH = 1e-6  # of the extent
 _LOWEST_PERCENT = 2.0
-_NEAR_ZERO = 0.2  # of the height of the hips
+# Of the height of the hips: joints of feet are above the floor, and hardly ever below.
+_NEAR_ZERO = (-0.05, 0.2)
 _LEG = ("thigh", "shin", "foot")
 
 
@@ -39,7 +41,7 @@ class Body:
     upright
         Rotation that brings the rest pose upright in skeleton space, shape [4].
     lowest
-        Height of the lowest joint of the feet in the upright rest pose, skeleton units along up.
+        Height of the lowest joint of the feet in the upright rest pose, skeleton units along up; zero without feet.
     """
 
     frame: FloatArray
@@ -77,7 +79,7 @@ def measure_body(skeleton: Skeleton, anatomy: Anatomy) -> Body:
     frame = Rotation.from_matrix(np.stack([side, up, np.cross(side, up)], axis=1)).as_quat(scalar_first=True)
     upright = shortest_turn(up, skeleton.up, side)
     feet = [joint for part, joint in parts.items() if part.partition(".")[2] in ("foot", "toes")]
-    heights = quaternion.rotate(upright, positions[feet or [parts["hips"]]]) @ skeleton.up
+    heights = quaternion.rotate(upright, positions[feet]) @ skeleton.up if feet else np.zeros(1)
     return Body(frame=frame, upright=upright, lowest=float(heights.min()))
 
 
@@ -85,7 +87,7 @@ def estimate_ground(clip: Clip, anatomy: Anatomy, body: Body) -> float:
     """Tell the height of the floor in skeleton space: zero, or where the rest pose stands.
 
     Captured motion stands on zero; a rig may have its floor elsewhere. What is nearer to where the feet of the clip get
-    to is taken.
+    to is taken; a rest pose that stands near zero stands on it.
 
     Parameters
     ----------
@@ -102,7 +104,8 @@ def estimate_ground(clip: Clip, anatomy: Anatomy, body: Body) -> float:
         return 0.0
     positions = clip.skeleton.joint_positions(feet, clip.rotations, clip.translations)
     lowest = float(np.percentile(positions @ clip.skeleton.up, _LOWEST_PERCENT))
-    return min((0.0, body.lowest), key=lambda height: abs(lowest - height))
+    floors = (0.0, _rest_floor(clip.skeleton, anatomy, body))
+    return min(floors, key=lambda height: abs(lowest - height))
 
 
 def rest_ground(skeleton: Skeleton, anatomy: Anatomy, body: Body) -> float:
@@ -110,9 +113,20 @@ def rest_ground(skeleton: Skeleton, anatomy: Anatomy, body: Body) -> float:
 
     Zero where the rest pose stands near it, or has its hips there as captures do, else where the rest pose stands.
     """
-    hips = float(quaternion.rotate(body.upright, skeleton.rest_positions[anatomy.parts["hips"]]) @ skeleton.up)
-    near = _NEAR_ZERO * (hips - body.lowest)
-    return 0.0 if abs(body.lowest) < near or abs(hips) < near else body.lowest
+    hips = _hips_height(skeleton, anatomy, body)
+    is_origin = abs(hips) < _NEAR_ZERO[1] * (hips - body.lowest)
+    return 0.0 if is_origin else _rest_floor(skeleton, anatomy, body)
+
+
+def _rest_floor(skeleton: Skeleton, anatomy: Anatomy, body: Body) -> float:
+    """Give the height the rest pose stands at, zero where it is near that."""
+    least, most = (share * (_hips_height(skeleton, anatomy, body) - body.lowest) for share in _NEAR_ZERO)
+    return 0.0 if least < body.lowest < most else body.lowest
+
+
+def _hips_height(skeleton: Skeleton, anatomy: Anatomy, body: Body) -> float:
+    hips = quaternion.rotate(body.upright, skeleton.rest_positions[anatomy.parts["hips"]])
+    return float(hips @ skeleton.up)
 
 
 def stand_on(skeleton: Skeleton, anatomy: Anatomy, body: Body, ground: float) -> FloatArray:
@@ -158,7 +172,7 @@ def shortest_turn(source: FloatArray, target: FloatArray, around: FloatArray) ->
     Parameters
     ----------
     source, target, around
-        Shapes [..., 3], broadcast.
+        Shapes [..., 3], broadcast; `around` is not along `source`.
 
     Returns
     -------
@@ -167,27 +181,37 @@ def shortest_turn(source: FloatArray, target: FloatArray, around: FloatArray) ->
     """
     source, target, around = np.broadcast_arrays(source, target, around)
     cosine = np.sum(source * target, axis=-1, keepdims=True)
-    turn = np.concatenate([1.0 + cosine, np.cross(source, target)], axis=-1)
+    # Near half a turn the axis is all rounding: first half a turn about the given one, then what is left.
+    is_opposite = cosine < _NEARLY_OPPOSITE
+    sign = np.where(is_opposite, -1.0, 1.0)
+    turn = np.concatenate([1.0 + sign * cosine, sign * np.cross(source, target)], axis=-1)
     half = np.concatenate([np.zeros_like(cosine), _across(around, source)], axis=-1)
-    return quaternion.normalize(np.where(cosine > _NEARLY_OPPOSITE, turn, half))
+    first = np.where(is_opposite, half, np.array([1.0, 0.0, 0.0, 0.0]))
+    return quaternion.normalize(quaternion.multiply(turn, first))
 
 
 def _axes(skeleton: Skeleton, anatomy: Anatomy) -> tuple[FloatArray, FloatArray]:
-    """The body's up and left in skeleton space; without thighs, the skeleton's own up and any side."""
+    """The body's up and left in skeleton space; without two thighs apart, the skeleton's own up and any side."""
     positions, parts = skeleton.rest_positions, anatomy.parts
-    if not {"left.thigh", "right.thigh"} <= parts.keys():
-        turn = shortest_turn(np.array([0.0, 1.0, 0.0]), skeleton.up, np.array([1.0, 0.0, 0.0]))
-        return skeleton.up, quaternion.rotate(turn, np.array([1.0, 0.0, 0.0]))
-    left, right = positions[parts["left.thigh"]], positions[parts["right.thigh"]]
-    trunk = _unit(_top(positions, anatomy) - (left + right) / 2.0)
-    up = _snap(trunk, skeleton.up, *np.eye(3), *-np.eye(3))
-    return up, _snap(_unit(_across(left - right, up)), *_level_axes(up))
+    if {"left.thigh", "right.thigh"} <= parts.keys():
+        left, right = positions[parts["left.thigh"]], positions[parts["right.thigh"]]
+        trunk, least = _trunk(skeleton, anatomy), _NO_LENGTH * np.ptp(positions, axis=0).max()
+        up = _snap(_unit(trunk), skeleton.up, *np.eye(3), *-np.eye(3)) if np.linalg.norm(trunk) > least else skeleton.up
+        side = _across(left - right, up)
+        if np.linalg.norm(side) > least:
+            return up, _snap(_unit(side), *_level_axes(up))
+    turn = shortest_turn(np.array([0.0, 1.0, 0.0]), skeleton.up, np.array([1.0, 0.0, 0.0]))
+    return skeleton.up, quaternion.rotate(turn, np.array([1.0, 0.0, 0.0]))
 
 
-def _top(positions: FloatArray, anatomy: Anatomy) -> FloatArray:
-    """The upper end of the trunk; without one, the hips."""
-    part = next(part for part in ("neck", "head", "chest", "hips") if part in anatomy.parts)
-    return np.asarray(positions[anatomy.parts[part]])
+def _trunk(skeleton: Skeleton, anatomy: Anatomy) -> FloatArray:
+    """From between the thighs to the upper end of the trunk, or where there is none, from the knees up."""
+    positions, parts = skeleton.rest_positions, anatomy.parts
+    between = positions[[parts[f"{side}.thigh"] for side in SIDES]].mean(axis=0)
+    top = next((parts[part] for part in ("neck", "head", "chest") if part in parts), None)
+    if top is not None:
+        return np.asarray(positions[top] - between)
+    return np.asarray(between - positions[[parts.get(f"{side}.shin", parts["hips"]) for side in SIDES]].mean(axis=0))
 
 
 def _across(vectors: FloatArray, axis: FloatArray) -> FloatArray:

@@ -13,6 +13,8 @@ from mtex_usd.motion.skeleton import Skeleton
 
 __all__ = ["JointMap", "Pair", "map_joints"]
 
+_NO_HUMANOID = "pairs"  # the convention of skeletons that are known by what the user names alone
+
 
 @dataclass(frozen=True)
 class Pair:
@@ -97,22 +99,37 @@ def map_joints(source: Skeleton, target: Skeleton, pairs: Sequence[Pair] = ()) -
     Raises
     ------
     InputError
-        Where a pair names a joint that is not there, or one of the skeletons is no humanoid.
+        Where a pair names a joint that is not there or one that another names, or one of the skeletons is no humanoid.
     """
-    said = {_find_joint(p.joint, target): _find_joint(p.source, source) if p.source else None for p in pairs}
+    said = _resolve_pairs(pairs, source, target)
     pairs_said = {joint: other for joint, other in said.items() if other is not None}
-    left_out = said.keys() - pairs_said.keys()
     found, wanted = (
         _recognise(source, "take", said=pairs_said.values()),
         _recognise(target, "character", said=pairs_said),
     )
-    part_of = {joint: part for part, joint in wanted.parts.items()}
-    found, wanted = _apply_pairs(found, wanted, pairs_said, left_out)
-    further = {joint: other for joint, other in pairs_said.items() if joint not in part_of}
+    left_out = said.keys() - pairs_said.keys()
+    if found.convention == _NO_HUMANOID:
+        # What moves a character as a whole is not guessed at where it is not said.
+        left_out |= {wanted.parts["hips"]} - pairs_said.keys()
+    found = _apply_pairs(found, wanted, pairs_said)
     stance = Stance(source=source, target=target, bodies=(measure_body(source, found), measure_body(target, wanted)))
     named = corresponding_joints(source.joints, target.joints)
-    sections = find_sections(source, found, target, wanted, pairs=further, named=named, left_out=left_out)
+    # A character that is no humanoid has no hips to turn as such: all of it is as the pairs say.
+    known = wanted if wanted.convention != _NO_HUMANOID else Anatomy(_NO_HUMANOID, {})
+    sections = find_sections(source, found, target, known, pairs=pairs_said, named=named, left_out=left_out)
     return JointMap(stance=stance, anatomies=(found, wanted), sections=tuple(sections))
+
+
+def _resolve_pairs(pairs: Sequence[Pair], source: Skeleton, target: Skeleton) -> dict[int, int | None]:
+    """Give the take's joint by the character's, None for those to be left at rest."""
+    said: dict[int, int | None] = {}
+    for pair in pairs:
+        joint = _find_joint(pair.joint, target)
+        if joint in said:
+            names = ", ".join(repr(other.joint) for other in pairs if _find_joint(other.joint, target) == joint)
+            raise InputError("a joint is paired twice", expected="each of the character's joints once", found=names)
+        said[joint] = _find_joint(pair.source, source) if pair.source else None
+    return said
 
 
 def _recognise(skeleton: Skeleton, whose: str, *, said: Collection[int]) -> Anatomy:
@@ -126,7 +143,7 @@ def _recognise(skeleton: Skeleton, whose: str, *, said: Collection[int]) -> Anat
             expected="a humanoid (hips, two legs with thigh and shin), or pairs of joints from MtexRetargetAPI",
             found=", ".join(joint.rpartition("/")[2] for joint in skeleton.joints),
         )
-    return Anatomy("pairs", {"hips": min(said, key=lambda joint: len(skeleton.chain(joint)))})
+    return Anatomy(_NO_HUMANOID, {"hips": min(said, key=lambda joint: len(skeleton.chain(joint)))})
 
 
 def _find_joint(name: str, skeleton: Skeleton) -> int:
@@ -143,10 +160,7 @@ def _find_joint(name: str, skeleton: Skeleton) -> int:
     )
 
 
-def _apply_pairs(
-    found: Anatomy, wanted: Anatomy, pairs: Mapping[int, int], left_out: Collection[int]
-) -> tuple[Anatomy, Anatomy]:
-    """Give the parts as the user has them."""
+def _apply_pairs(found: Anatomy, wanted: Anatomy, pairs: Mapping[int, int]) -> Anatomy:
+    """Give the take's parts as the user has them."""
     said = {part: pairs[joint] for part, joint in wanted.parts.items() if joint in pairs}
-    kept = {part: joint for part, joint in wanted.parts.items() if joint not in left_out}
-    return Anatomy(found.convention, {**found.parts, **said}), Anatomy(wanted.convention, kept)
+    return Anatomy(found.convention, {**found.parts, **said})

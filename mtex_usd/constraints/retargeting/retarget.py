@@ -72,8 +72,12 @@ def retarget_mapped(clip: Clip, joint_map: JointMap, *, like: Clip | None = None
     positions, world = clip.skeleton.world_pose(clip.rotations, clip.translations)
     turns = quaternion.multiply(world, quaternion.conjugate(stance.source.rest_orientations))
     placed = _turn_joints(joint_map, turns, positions)
-    hips = _place_hips(clip, joint_map, positions, like)
-    rotations, translations = _to_local(stance.target, placed, joint_map.anatomies[1].parts["hips"], hips)
+    rotations, world = _to_local(stance.target, placed, clip.frame_count)
+    translations = np.tile(stance.target.rest_translations, (clip.frame_count, 1, 1))
+    hips = joint_map.anatomies[1].parts["hips"]
+    if hips in placed:
+        places = _place_hips(clip, joint_map, positions, like)
+        translations[:, hips] = _place_below(stance.target, hips, places, (rotations, translations), world)
     return replace(
         clip,
         skeleton=stance.target,
@@ -106,23 +110,24 @@ def _place_hips(clip: Clip, joint_map: JointMap, positions: FloatArray, like: Cl
     return stand_on(stance.target, wanted, target, own_ground) + joint_map.scale * quaternion.rotate(stance.turn, way)
 
 
-def _to_local(
-    skeleton: Skeleton, placed: Mapping[int, FloatArray], hips: int, hips_places: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Rotations [F, J, 4] and translations [F, J, 3] relative to the parent; what is not placed is at rest."""
-    frames = len(hips_places)
+def _to_local(skeleton: Skeleton, placed: Mapping[int, FloatArray], frames: int) -> tuple[FloatArray, FloatArray]:
+    """Rotations [F, J, 4] relative to the parent and in space; what is not placed is at rest."""
     rotations = np.tile(skeleton.rest_rotations, (frames, 1, 1))
-    translations = np.tile(skeleton.rest_translations, (frames, 1, 1))
     world = np.empty_like(rotations)
     for joint, parent in enumerate(skeleton.parents):
         above = world[:, parent] if parent >= 0 else _NO_LEAN
         world[:, joint] = placed.get(joint, quaternion.multiply(above, rotations[:, joint]))
         if joint in placed:
             rotations[:, joint] = quaternion.multiply(quaternion.conjugate(above), world[:, joint])
-    parent = int(skeleton.parents[hips])
+    return rotations, world
+
+
+def _place_below(
+    skeleton: Skeleton, joint: int, places: FloatArray, pose: tuple[FloatArray, FloatArray], world: FloatArray
+) -> FloatArray:
+    """Translations [F, 3] relative to its parent that put a joint in its places; a pose is rotations, translations."""
+    parent = int(skeleton.parents[joint])
     if parent < 0:
-        translations[:, hips] = hips_places
-    else:
-        begin = skeleton.joint_positions([parent], rotations, translations)[:, 0]
-        translations[:, hips] = quaternion.rotate(quaternion.conjugate(world[:, parent]), hips_places - begin)
-    return rotations, translations
+        return places
+    begin = skeleton.joint_positions([parent], *pose)[:, 0]
+    return quaternion.rotate(quaternion.conjugate(world[:, parent]), places - begin)

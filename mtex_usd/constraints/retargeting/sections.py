@@ -105,9 +105,9 @@ def find_sections(
     found, wanted
         Their parts.
     pairs
-        Further joints that correspond, source by target, that are no parts. One within a section divides it.
+        Joints that correspond as the user says, source by target, parts among them. One within a section divides it.
     named
-        Joints of the same name, source by target; they count where nothing else does.
+        Joints of the same name, source by target; they count where nothing else does, for either of them.
     left_out
         Joints of the target that are in no section.
 
@@ -120,12 +120,24 @@ def find_sections(
     sections = [section for bone in _bones() if (section := _make_section(bone, source, target, shared)) is not None]
     for joint, other in pairs.items():
         sections = [part for section in sections for part in _divide(section, joint, other)]
-    begun = {section.target.joints[0] for section in sections}
-    further = {joint: other for joint, other in pairs.items() if joint not in begun}
-    said = _take_once([*sections, *_pair_sections(further, source, target)], left_out)
+    said = _take_once(_add_pairs(sections, pairs, source, target), left_out)
     covered = {joint for section in said for joint in section.target.joints} | set(left_out)
-    rest = {joint: other for joint, other in named.items() if joint not in covered}
+    used = {joint for section in said for joint in section.source.joints}
+    rest = {joint: other for joint, other in named.items() if joint not in covered and other not in used}
     return [*said, *_pair_sections(rest, source, target)]
+
+
+def _add_pairs(sections: list[Section], pairs: Mapping[int, int], source: Skeleton, target: Skeleton) -> list[Section]:
+    """Add pairs that no section begins with, before the sections where one has the joint, since they are stronger."""
+    begun = {section.target.joints[0] for section in sections}
+    inside = {joint for section in sections for joint in section.target.joints} - begun
+    alone = [
+        Section(target.joints[joint], Chain((other,), None), Chain((joint,), None), "turn")
+        for joint, other in pairs.items()
+        if joint in inside
+    ]
+    further = {joint: other for joint, other in pairs.items() if joint not in begun | inside}
+    return [*alone, *sections, *_pair_sections(further, source, target)]
 
 
 def _divide(section: Section, joint: int, other: int) -> list[Section]:
@@ -217,9 +229,17 @@ def _take_once(sections: list[Section], left_out: Collection[int]) -> list[Secti
     taken = set(left_out)
     kept = []
     for section in sections:
-        joints = section.target.joints
-        if joints[0] not in taken:
-            free = Chain(tuple(joint for joint in joints if joint not in taken), section.target.end)
-            kept.append(replace(section, target=free))
-            taken.update(free.joints)
+        free = tuple(joint for joint in section.target.joints if joint not in taken)
+        if free:
+            kept.append(_shorten(section, free))
+            taken.update(free)
     return kept
+
+
+def _shorten(section: Section, free: tuple[int, ...]) -> Section:
+    """Leave out joints of the target; where the first is among them, the source's first as well."""
+    target = Chain(free, section.target.end)
+    if free[0] == section.target.joints[0]:
+        return replace(section, target=target)
+    source = Chain(section.source.joints[1:] or section.source.joints, section.source.end)
+    return replace(section, target=target, source=source, keeps_first=False)

@@ -19,8 +19,9 @@ __all__ = ["Share", "Stance", "bone_leans", "find_shares", "rest_lean", "turn_se
 
 FloatArray = npt.NDArray[np.float64]
 
-_NO_LENGTH = 1e-6  # of the height
+_NO_LENGTH = 1e-6  # of the extent
 _LEAST_SHARE = 1e-3
+_ALONG_FRONT = 0.9  # cosine
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -51,10 +52,21 @@ class Stance:
         source, target = self.bodies
         return quaternion.multiply(source.frame, quaternion.conjugate(target.frame))
 
-    @property
-    def front(self) -> FloatArray:
-        """The way the take's rest pose faces, shape [3]: about it arms that hang are raised."""
-        return quaternion.rotate(self.bodies[0].frame, np.array([0.0, 0.0, 1.0]))
+    def half_turn_axis(self, bone: FloatArray) -> FloatArray:
+        """Tell about what a bone that rests the other way round is turned.
+
+        Parameters
+        ----------
+        bone
+            Direction of the character's bone at rest, shape [3].
+
+        Returns
+        -------
+        FloatArray
+            The way the character's rest pose faces, about which arms that hang are raised; its up for bones along that.
+        """
+        _, up, front = quaternion.rotate(self.bodies[1].frame, np.eye(3))
+        return np.asarray(front if abs(front @ bone) < _ALONG_FRONT else up)
 
 
 @dataclass(frozen=True)
@@ -171,10 +183,18 @@ def _find_lean(section: Section, stance: Stance, at: int, placed: FloatArray, po
     ends = [_read(section.source, stance.source, positions, station) for station in stations[at : at + 2]]
     chord = ends[1] - ends[0]
     length = np.linalg.norm(chord, axis=-1, keepdims=True)
-    if np.linalg.norm(bone) < _NO_LENGTH * stance.target.height or (length < _NO_LENGTH * stance.source.height).any():
+    if np.linalg.norm(bone) <= _least_length(stance.target):
         return np.broadcast_to(np.array([1.0, 0.0, 0.0, 0.0]), placed.shape)
-    given = quaternion.rotate(placed, bone / np.linalg.norm(bone))
-    return shortest_turn(given, chord / length, stance.front)
+    bone /= np.linalg.norm(bone)
+    given = quaternion.rotate(placed, bone)
+    is_short = length <= _least_length(stance.source)
+    wanted = np.where(is_short, given, chord / np.where(is_short, 1.0, length))
+    return shortest_turn(given, wanted, quaternion.rotate(placed, stance.half_turn_axis(bone)))
+
+
+def _least_length(skeleton: Skeleton) -> float:
+    """What is no longer has no direction."""
+    return float(_NO_LENGTH * np.ptp(skeleton.rest_positions, axis=0).max())
 
 
 def _stations(chain: Chain, skeleton: Skeleton) -> FloatArray:

@@ -1,12 +1,13 @@
 """Reading clips for the method: in skeleton axes, on the sketch's joints, the root in the facing frame."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from mtex_usd.errors import InputError
+from mtex_usd.motion import quaternion
 from mtex_usd.motion.channels import Channel, to_skeleton_rotations, to_skeleton_translations
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.correspondence import corresponding_joints
@@ -98,8 +99,7 @@ def read_takes(
             lacking |= missing
             notes.append(f"take {take.name} is left out: it has no {_names(missing, sketch)}")
             continue
-        own_root = found[root] if root in found else find_root(take) or 0
-        motions.append(_read_take(take, sketch, {**found, root: own_root}, root, heading_band))
+        motions.append(_read_take(take, sketch, found, root, heading_band))
     if not motions:
         raise InputError(
             f"{sketch.name}: no take has all joints with a role",
@@ -117,16 +117,52 @@ def _names(joints: set[int], sketch: Clip) -> str:
 def _read_take(clip: Clip, sketch: Clip, found: dict[int, int], root: int, heading_band: int) -> Motion:
     """Read a take in the sketch's axes, size and joints; `found` gives the take's joint by the sketch's."""
     alignment = align_skeletons(clip.skeleton, sketch.skeleton, found)
+    carrier = find_root(clip)
+    if carrier is None:
+        carrier = found.get(root, 0)
+    clip_root = found.get(root, carrier)
+    if carrier != clip_root and carrier in clip.skeleton.chain(clip_root):
+        clip, carrier = _carry_below(clip, clip_root), clip_root
     rotations = alignment.rotations(to_skeleton_rotations(clip.rotations, clip.skeleton))
     offsets = alignment.offsets(to_skeleton_translations(clip.translations, clip.skeleton))
+    below = next((joint for joint, other in found.items() if other == carrier and joint != root), None)
     if clip.joints != sketch.joints:
-        rotations, offsets = _reorder(rotations, offsets, found, len(sketch.joints))
-    own = Facing.of_clip(clip, found[root], heading_band)
-    return _face(clip, rotations, offsets, Facing(own.heading, sketch.skeleton.up), root)
+        known = found if below is not None else {**found, root: clip_root}
+        rotations, offsets = _reorder(rotations, offsets, known, len(sketch.joints))
+    own = Facing.of_clip(clip, carrier, heading_band)
+    facing = Facing(own.heading, sketch.skeleton.up)
+    if below is None:
+        return _face(clip, rotations, offsets, facing, root)
+    return _face_below(clip, rotations, offsets, facing, root, below)
+
+
+def _carry_below(clip: Clip, root: int) -> Clip:
+    """Give the joint that is the sketch's root all the motion of those above it, which rest."""
+    skeleton = clip.skeleton
+    positions, world = skeleton.world_pose(clip.rotations, clip.translations)
+    rotations, translations = np.array(clip.rotations), np.array(clip.translations)
+    above = skeleton.chain(root)[:-1]
+    rotations[:, above], translations[:, above] = skeleton.rest_rotations[above], skeleton.rest_translations[above]
+    back = quaternion.conjugate(skeleton.rest_orientations[above[-1]])
+    rotations[:, root] = quaternion.unroll(quaternion.multiply(back, world[:, root]))
+    translations[:, root] = quaternion.rotate(back, positions[:, root] - skeleton.rest_positions[above[-1]])
+    return replace(clip, rotations=rotations, translations=translations)
 
 
 def _face(clip: Clip, rotations: FloatArray, offsets: FloatArray, facing: Facing, root: int) -> Motion:
     rotations[:, root] = facing.into(rotations[:, root])
+    return Motion(clip, rotations, offsets, facing.unroll_travel(offsets[:, root]), facing)
+
+
+def _face_below(
+    clip: Clip, rotations: FloatArray, offsets: FloatArray, facing: Facing, root: int, below: int
+) -> Motion:
+    """Face a take that is moved by a joint below the sketch's root: heading and way go to the root, the rest stays."""
+    way, up = np.array(offsets[:, below]), facing.up
+    rotations[:, below] = facing.into(rotations[:, below])
+    rotations[:, root] = [1.0, 0.0, 0.0, 0.0]
+    height = (way @ up)[:, None] * up
+    offsets[:, below], offsets[:, root] = height, way - height
     return Motion(clip, rotations, offsets, facing.unroll_travel(offsets[:, root]), facing)
 
 

@@ -9,6 +9,7 @@ from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
 from mtex_usd.motion.channels import Channel
 from mtex_usd.motion.correspondence import corresponding_joints
+from mtex_usd.texture.facing import measure_heading
 from mtex_usd.texture.reading import choose_root, read_sketch, read_takes
 from tests.synthetic import (
     HEAD,
@@ -16,6 +17,7 @@ from tests.synthetic import (
     JOINTS,
     LEFT_ARM,
     SPINE,
+    UP,
     block,
     make_clip,
     make_skeleton,
@@ -104,3 +106,40 @@ def test_takes_without_a_role_joint_are_noted_and_if_all_lack_it_refused():
         f"take /Lame is left out: it has no {LEFT_ARM}. Use takes with joints of these names",
     ):
         read_takes([lame], sketch, 0, 4, [ARM])
+
+
+def under_a_root(clip, *, carried_by):
+    """The same motion on a skeleton with a joint above the hips, moved by that joint or by the hips."""
+    skeleton = clip.skeleton
+    joints = ("Root", *(f"Root/{joint}" for joint in skeleton.joints))
+    rest = np.concatenate([np.eye(4)[None], skeleton.rest])
+    still = np.tile([1.0, 0.0, 0.0, 0.0], (clip.frame_count, 1, 1))
+    rotations = np.concatenate([still, clip.rotations], axis=1)
+    translations = np.concatenate([np.zeros((clip.frame_count, 1, 3)), clip.translations], axis=1)
+    if carried_by == "root":
+        # Heading about up and the level way on the root; the hips keep what is left.
+        heading = measure_heading(clip, 0)
+        turn = quaternion.exp(heading[:, None] * UP)
+        way = clip.translations[:, 0] * (1.0 - UP)
+        rotations[:, 0], translations[:, 0] = turn, way
+        rotations[:, 1] = quaternion.multiply(quaternion.conjugate(turn), clip.rotations[:, 0])
+        translations[:, 1] = quaternion.rotate(quaternion.conjugate(turn), clip.translations[:, 0] - way)
+    made = replace(skeleton, joints=joints, rest=rest)
+    scales = np.ones_like(translations)
+    return replace(clip, skeleton=made, rotations=rotations, translations=translations, scales=scales)
+
+
+@pytest.mark.parametrize("sketch_carrier", ["root", "hips"])
+@pytest.mark.parametrize("take_carrier", ["root", "hips"])
+@pytest.mark.parametrize("heading", [0.0, 90.0])
+def test_heading_is_left_out_whichever_joint_carries_it(sketch_carrier, take_carrier, heading):
+    """The hips of a take read the same, whether it, or the sketch, is moved by the hips or by a joint above them."""
+    sketch = under_a_root(walk(80), carried_by=sketch_carrier)
+    take = under_a_root(walk(80, heading=heading), carried_by=take_carrier)
+    root = choose_root(sketch, [take])
+    assert root == (0 if sketch_carrier == "root" else 1)
+    (motion,), _ = read_takes([take], sketch, root, 4, [Channel(1, "rx")])
+    turned = np.degrees(np.abs(quaternion.twist(motion.rotations[:, 1], UP)))
+    assert turned.max() < 15.0  # what is faster than the heading
+    straight = read_takes([under_a_root(walk(80), carried_by="hips")], sketch, root, 4, [Channel(1, "rx")])[0][0]
+    np.testing.assert_allclose(np.diff(motion.travel, axis=0), np.diff(straight.travel, axis=0), atol=0.5)

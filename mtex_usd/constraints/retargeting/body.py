@@ -16,7 +16,16 @@ from mtex_usd.motion.anatomy import SIDES, Anatomy
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import Skeleton
 
-__all__ = ["Body", "estimate_ground", "measure_body", "measure_scale", "rest_ground", "shortest_turn", "stand_on"]
+__all__ = [
+    "Body",
+    "estimate_ground",
+    "measure_body",
+    "measure_scale",
+    "rest_ground",
+    "shortest_turn",
+    "stand_on",
+    "stands_near_zero",
+]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -118,10 +127,15 @@ def rest_ground(skeleton: Skeleton, anatomy: Anatomy, body: Body) -> float:
     return 0.0 if is_origin else _rest_floor(skeleton, anatomy, body)
 
 
+def stands_near_zero(skeleton: Skeleton, anatomy: Anatomy, body: Body) -> bool:
+    """Tell whether the upright rest pose stands on the floor at zero, as that of a rig does."""
+    least, most = (share * (_hips_height(skeleton, anatomy, body) - body.lowest) for share in _NEAR_ZERO)
+    return bool(least < body.lowest < most)
+
+
 def _rest_floor(skeleton: Skeleton, anatomy: Anatomy, body: Body) -> float:
     """Give the height the rest pose stands at, zero where it is near that."""
-    least, most = (share * (_hips_height(skeleton, anatomy, body) - body.lowest) for share in _NEAR_ZERO)
-    return 0.0 if least < body.lowest < most else body.lowest
+    return 0.0 if stands_near_zero(skeleton, anatomy, body) else body.lowest
 
 
 def _hips_height(skeleton: Skeleton, anatomy: Anatomy, body: Body) -> float:

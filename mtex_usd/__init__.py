@@ -14,15 +14,26 @@ from mtex_usd.errors import InputError, MtexError, NoSolutionError, ResultError,
 from mtex_usd.plugin_path import announce_plugin as _announce_plugin
 
 if TYPE_CHECKING:
-    from mtex_usd.api import FailedFile, ImportResult, import_takes, list_takes, process, read_clip, write_clip
+    from mtex_usd.api import (
+        FailedFile,
+        ImportResult,
+        constrain,
+        find_contacts,
+        import_takes,
+        list_takes,
+        process,
+        read_clip,
+        write_clip,
+    )
     from mtex_usd.motion.clip import Clip
     from mtex_usd.motion.skeleton import Skeleton
-    from mtex_usd.results import Fragment, PathVariant, Result, Retarget
+    from mtex_usd.results import EditResult, Fragment, PathVariant, Result, Retarget
 
 __version__ = "0.1.0"
 
 __all__ = [
     "Clip",
+    "EditResult",
     "FailedFile",
     "Fragment",
     "ImportResult",
@@ -35,6 +46,8 @@ __all__ = [
     "Retarget",
     "Skeleton",
     "StageError",
+    "constrain",
+    "find_contacts",
     "import_takes",
     "list_takes",
     "process",
@@ -44,10 +57,13 @@ __all__ = [
 
 _HOMES = {
     **dict.fromkeys(
-        ("FailedFile", "ImportResult", "import_takes", "list_takes", "process", "read_clip", "write_clip"),
+        (
+            *("FailedFile", "ImportResult", "constrain", "find_contacts", "import_takes", "list_takes"),
+            *("process", "read_clip", "write_clip"),
+        ),
         "mtex_usd.api",
     ),
-    **dict.fromkeys(("Fragment", "PathVariant", "Result", "Retarget"), "mtex_usd.results"),
+    **dict.fromkeys(("EditResult", "Fragment", "PathVariant", "Result", "Retarget"), "mtex_usd.results"),
     "Clip": "mtex_usd.motion.clip",
     "Skeleton": "mtex_usd.motion.skeleton",
 }

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from mtex_usd.constraining import constrain, find_contacts
 from mtex_usd.errors import InputError
 from mtex_usd.importing import (
     FailedFile,
@@ -14,16 +15,17 @@ from mtex_usd.importing import (
     list_takes,
     report_progress,
 )
+from mtex_usd.processing import finish_job
 from mtex_usd.results import PathVariant, Result, list_retargets
-from mtex_usd.texture.engine import texture_motion
 from mtex_usd.texture.result import TexturedMotion
 from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_paths, as_whole_number
 from mtex_usd.usd.atomic import check_target
 from mtex_usd.usd.check import check_override
 from mtex_usd.usd.clip_io import read_clip, write_clip
+from mtex_usd.usd.finished import Finished, build_result, describe_variants
 from mtex_usd.usd.override import ORIGINAL, variant_names, write_override
 from mtex_usd.usd.plugin import registration_status
-from mtex_usd.usd.shot import Job, build_result, describe_variant, find_cast, read_jobs
+from mtex_usd.usd.shot import find_cast, read_jobs
 from mtex_usd.usd.source_stage import find_override, open_source
 from mtex_usd.usd.thin_root import thin_root_path
 
@@ -31,6 +33,8 @@ __all__ = [
     "FailedFile",
     "ImportResult",
     "ProgressCallback",
+    "constrain",
+    "find_contacts",
     "find_outputs",
     "import_takes",
     "list_takes",
@@ -98,19 +102,18 @@ def process(
     check_target(target, "override")
     check_target(thin_root, "stage")
     cast = find_cast(source.stage, only=sketches, previous=target)
-    finished: list[tuple[Job, TexturedMotion]] = []
+    finished: list[Finished] = []
     for done, job in enumerate(read_jobs(source.stage, cast.wanted)):
         report_progress(progress, done, len(cast.wanted), str(job.character.animation))
         recipe = replace(job.recipe, **overrides)
-        motion = texture_motion(job.sketch, [take.clip for take in job.takes], recipe)
-        _check_selection(select, motion)
-        finished.append((job, motion))
-    built = [build_result(job, motion) for job, motion in finished]
+        finished.append(finish_job(job, recipe))
+        _check_selection(select, finished[-1].motion)
+    built = [build_result(each) for each in finished]
     if not dry_run:
         _, root = write_override(source.stage, built, target, select=select, keep=cast.others)
         check_override(root, built)
     report_progress(progress, len(cast.wanted), len(cast.wanted), "")
-    return tuple(_describe(job, motion, target, cast.left_out) for job, motion in finished)
+    return tuple(_describe(each, target, cast.left_out) for each in finished)
 
 
 def find_outputs(stage_path: FilePath, *, out: FilePath | None = None) -> tuple[Path, Path]:
@@ -142,7 +145,8 @@ def _check_selection(select: str | None, motion: TexturedMotion) -> None:
         raise InputError(f"{motion.sketch.name} gets no variant {select!r}", expected=f"one of {', '.join(names)}")
 
 
-def _describe(job: Job, motion: TexturedMotion, target: Path, left_out: tuple[str, ...]) -> Result:
+def _describe(finished: Finished, target: Path, left_out: tuple[str, ...]) -> Result:
+    job, motion = finished.job, finished.motion
     names = variant_names(len(motion.variants))
     status = registration_status()
     return Result(
@@ -150,8 +154,8 @@ def _describe(job: Job, motion: TexturedMotion, target: Path, left_out: tuple[st
         model=str(job.character.model),
         variantSet=job.character.variant_set,
         variants=tuple(
-            PathVariant(name, variant, describe_variant(variant, motion))
-            for name, variant in zip(names, motion.variants, strict=True)
+            PathVariant(name, variant, custom_data)
+            for name, variant, custom_data in zip(names, motion.variants, describe_variants(finished), strict=True)
         ),
         texturing=motion,
         retargets=list_retargets(job.takes),

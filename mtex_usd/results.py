@@ -12,7 +12,7 @@ from mtex_usd.constraints.retargeting import FittedTake, JointMap
 from mtex_usd.motion.clip import Clip
 from mtex_usd.texture.result import TexturedMotion, Variant
 
-__all__ = ["Fragment", "PathVariant", "Result", "Retarget", "list_retargets"]
+__all__ = ["EditResult", "Fragment", "PathVariant", "Result", "Retarget", "list_retargets"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,3 +220,38 @@ class Result:
     def channels(self) -> tuple[str, ...]:
         """Full tokens of the copied channels, length C."""
         return self.texturing.channels
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EditResult:
+    """One animation that was edited on one character.
+
+    Parameters
+    ----------
+    anim
+        Path of the animation.
+    model
+        Path of the prim with the variant set.
+    variantSet
+        Name of the variant set; ``original`` is in it as well.
+    variant
+        Name of the edited variant.
+    clip
+        The result on all joints of the skeleton.
+    custom_data
+        What the variant carries as ``customData["mtex"]``.
+    residuals
+        How far each constraint is from met, metres or radians, by name.
+    layer, stage
+        The files written; with ``dry_run`` those that would be.
+    """
+
+    anim: str
+    model: str
+    variantSet: str  # noqa: N815
+    variant: str
+    clip: Clip
+    custom_data: Mapping[str, object]
+    residuals: Mapping[str, float]
+    layer: Path
+    stage: Path

@@ -6,8 +6,9 @@ authored, whether or not the schema is registered in the process.
 
 from dataclasses import dataclass
 
-__all__ = ["PATH_COSTS", "Recipe", "Segment"]
+__all__ = ["CONTACTS", "PATH_COSTS", "Recipe", "Segment"]
 
+CONTACTS = ("off", "detect", "declared")
 PATH_COSTS = ("consecutive", "continuity")
 
 

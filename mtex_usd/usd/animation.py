@@ -1,25 +1,23 @@
 """Sampling SkelAnimations through the composed stage, so that layer offsets, clips, variants and references count.
 
 A sketch is read on the grid of the stage's frames, a take at the rate it was recorded with. What is read stays in
-single precision, bit for bit as USD gives it; :func:`to_clip` makes it a :class:`~mtex_usd.motion.clip.Clip` in double
-precision on all joints of a skeleton.
+single precision, bit for bit as USD gives it.
 """
 
 from dataclasses import dataclass, replace
-from typing import NoReturn, cast
+from typing import cast
 
 import numpy as np
 import numpy.typing as npt
 from pxr import Usd
 
 from mtex_usd.errors import InputError, StageError
-from mtex_usd.motion import quaternion, timing
-from mtex_usd.motion.clip import Clip
-from mtex_usd.motion.skeleton import FloatArray, Skeleton
+from mtex_usd.motion import timing
+from mtex_usd.motion.skeleton import FloatArray
 from mtex_usd.usd.schema import TakeSettings
 from mtex_usd.usd.stage_rate import StageRate, stage_rate
 
-__all__ = ["AnimationSamples", "fill_missing", "sample_sketch", "sample_take", "to_clip"]
+__all__ = ["AnimationSamples", "sample_sketch", "sample_take"]
 
 SingleArray = npt.NDArray[np.float32]
 
@@ -29,7 +27,6 @@ _SAME_TIME = 1e-6  # of a frame
 _SLOWEST_RECORDING = 10.0  # frames per second; even samples further apart are keys on a beat, not a recording
 _FASTEST_RECORDING = 10000.0  # faster ones are times that differ by rounding
 _NTSC = 1.001  # 24 and 30 frames per second are 23.976 and 29.97 in its family
-_SHORTEST_QUATERNION = 1e-6
 _MOST_FRAMES = 200_000  # more than two hours
 
 
@@ -56,7 +53,8 @@ class AnimationSamples:
     sample_times
         Times of all authored samples of the three attributes, shape [S]; none where there are only defaults.
     missing
-        Which of the three attributes the animation does not author. Their arrays hold NaN until :func:`fill_missing`.
+        Which of the three attributes the animation does not author. Their arrays hold NaN
+        until :func:`~mtex_usd.usd.sampled_clip.fill_missing`.
     """
 
     name: str
@@ -286,118 +284,3 @@ def _checked(value: object, query: Usd.AttributeQuery, time_code: float, joint_c
             found=found,
         )
     return cast(npt.ArrayLike, value)
-
-
-def fill_missing(samples: AnimationSamples, skeleton: Skeleton) -> AnimationSamples:
-    """Fill attributes the animation does not author from the skeleton's rest; ``missing`` goes on naming them.
-
-    Parameters
-    ----------
-    samples
-        As sampled.
-    skeleton
-        Gives the rest; joints it does not have get no rotation, no translation and unit scale.
-
-    Returns
-    -------
-    AnimationSamples
-        Without NaN in the missing attributes.
-    """
-    if not samples.missing:
-        return samples
-    index = {joint: i for i, joint in enumerate(skeleton.joints)}
-    which = np.array([index.get(joint, -1) for joint in samples.joints], dtype=np.intp)
-    neutral = {"rotations": [1.0, 0.0, 0.0, 0.0], "translations": [0.0, 0.0, 0.0], "scales": [1.0, 1.0, 1.0]}
-    filled = {}
-    for name in samples.missing:
-        # The last row is for joints that the skeleton does not have.
-        rest = np.concatenate([_rest(skeleton, name), [neutral[name]]]).astype(np.float32)
-        filled[name] = np.repeat(rest[None, which], len(samples.time_codes), axis=0)
-    return replace(samples, **filled)  # type: ignore[arg-type]
-
-
-def _rest(skeleton: Skeleton, name: str) -> FloatArray:
-    if name == "rotations":
-        return skeleton.rest_rotations
-    if name == "translations":
-        return skeleton.rest_translations
-    upper = skeleton.rest[:, :3, :3]
-    mirrored = np.where(np.linalg.det(upper) < 0.0, -1.0, 1.0)[:, None]  # all three axes, as UsdSkel decomposes
-    return cast(FloatArray, mirrored * np.linalg.norm(upper, axis=-1))
-
-
-def to_clip(samples: AnimationSamples, skeleton: Skeleton) -> Clip:
-    """Put samples onto all joints of a skeleton.
-
-    Parameters
-    ----------
-    samples
-        Its joints may be a subset of the skeleton's in any order; others are left out.
-    skeleton
-        Gives the joints, their order, and the rest for joints and attributes that the animation lacks.
-
-    Returns
-    -------
-    Clip
-        Double precision, quaternions of unit length and sign-continuous along time, named as the prim.
-
-    Raises
-    ------
-    InputError
-        Where a number is not finite or a rotation has no length (named with joint and time), or no joint is the
-        skeleton's.
-    """
-    index = {joint: i for i, joint in enumerate(skeleton.joints)}
-    source = [i for i, joint in enumerate(samples.joints) if joint in index]
-    if not source:
-        raise InputError(
-            f"{samples.name} and its skeleton have no joint in common",
-            expected=f"joints such as {skeleton.joints[0] if skeleton.joints else '(the skeleton has none)'}",
-            found=f"{samples.joints[0]} and {len(samples.joints) - 1} more",
-        )
-    target = [index[samples.joints[i]] for i in source]
-    filled = fill_missing(samples, skeleton)
-    arrays = {name: _on_skeleton(filled, skeleton, name, source, target) for name in _ATTRIBUTES}
-    return Clip(
-        skeleton=skeleton,
-        rate=samples.rate,
-        rotations=_unit(samples, skeleton, arrays["rotations"]),
-        translations=arrays["translations"],
-        scales=arrays["scales"],
-        start=float(samples.time_codes[0]),
-        time_codes_per_frame=samples.time_codes_per_frame,
-        name=samples.name,
-    )
-
-
-def _on_skeleton(
-    samples: AnimationSamples, skeleton: Skeleton, name: str, source: list[int], target: list[int]
-) -> FloatArray:
-    values: SingleArray = getattr(samples, name)
-    if source == target == list(range(len(skeleton.joints))) and values.shape[1] == len(target):
-        out = values.astype(np.float64)  # the usual case, several times faster than by index
-    else:
-        out = np.repeat(_rest(skeleton, name)[None], len(values), axis=0)
-        out[:, target] = values[:, source]
-    finite = np.isfinite(out)
-    if not finite.all():
-        _refuse(samples, skeleton, np.logical_not(finite.all(axis=-1)), f"{name} are not finite")
-    return out
-
-
-def _unit(samples: AnimationSamples, skeleton: Skeleton, rotations: FloatArray) -> FloatArray:
-    lengths = np.sqrt(np.einsum("fjk,fjk->fj", rotations, rotations))
-    if lengths.min() < _SHORTEST_QUATERNION:
-        _refuse(samples, skeleton, lengths < _SHORTEST_QUATERNION, "a rotation has no length")
-    return quaternion.unroll(rotations / lengths[..., None])
-
-
-def _refuse(
-    samples: AnimationSamples, skeleton: Skeleton, bad: npt.NDArray[np.bool_] | np.bool_, what: str
-) -> NoReturn:
-    frame, joint = np.argwhere(bad)[0]
-    raise InputError(
-        f"{samples.name}: {what}",
-        found=f"joint {skeleton.joints[joint]} at time code {samples.time_codes[frame]:g}",
-        fix="Correct the animation there.",
-    )

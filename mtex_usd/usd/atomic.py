@@ -19,10 +19,16 @@ from mtex_usd.usd.diagnostics import describe_damage, describe_error, find_obsta
 
 __all__ = ["LayerKind", "check_target", "file_kind", "is_ours", "layer_kind", "mark_layer", "write_layer"]
 
-LayerKind = Literal["takes", "clip", "override", "stage"]
-"""What a layer of ours is: a take library, what ``write_clip`` writes, an override layer or a thin root."""
+LayerKind = Literal["takes", "clip", "override", "stage", "contacts"]
+"""What a layer of ours is: a take library, what ``write_clip`` writes, an override layer, a thin root, contacts."""
 
-_KINDS = {"takes": "a take library", "clip": "a clip", "override": "an override layer", "stage": "a thin root"}
+_KINDS = {
+    "takes": "a take library",
+    "clip": "a clip",
+    "override": "an override layer",
+    "stage": "a thin root",
+    "contacts": "a layer of contacts",
+}
 
 _GENERATOR = "usdmtex"
 _OTHER_NAME = "Choose another name for the output."

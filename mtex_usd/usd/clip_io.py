@@ -10,11 +10,12 @@ from scipy.spatial.transform import Rotation
 from mtex_usd.errors import InputError
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import FloatArray, Skeleton
-from mtex_usd.usd.animation import sample_take, to_clip
+from mtex_usd.usd.animation import sample_take
 from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_path
 from mtex_usd.usd.atomic import check_target, mark_layer, write_layer
 from mtex_usd.usd.diagnostics import open_layer
 from mtex_usd.usd.names import make_prim_name, make_unique
+from mtex_usd.usd.sampled_clip import to_clip
 from mtex_usd.usd.schema import read_take_settings
 from mtex_usd.usd.skeletons import find_bindings, find_take_skeleton, make_bare_skeleton, read_skeleton
 

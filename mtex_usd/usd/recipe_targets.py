@@ -30,7 +30,7 @@ def is_own_output(prim: Usd.Prim) -> bool:
 
 def _deletes_recipe(spec: Sdf.PrimSpec) -> bool:
     schemas = spec.GetInfo("apiSchemas")
-    return isinstance(schemas, Sdf.TokenListOp) and SKETCH_API in schemas.deletedItems
+    return isinstance(schemas, Sdf.TokenListOp) and any(name.startswith("Mtex") for name in schemas.deletedItems)
 
 
 def find_sketches(stage: Usd.Stage, *, only: Sequence[str] = ()) -> tuple[Usd.Prim, ...]:

@@ -137,7 +137,7 @@ def test_an_own_table_is_replaced_and_nothing_else_is(shot_folder: Path, capsys:
 def test_a_layer_and_its_table_are_two_files(
     shot_folder: Path, capsys: Capture, options: list[str], table: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.delattr(api, "texture_motion")  # refused before any work
+    monkeypatch.delattr(api, "finish_job")  # refused before any work
     error = failing(capsys, shot_folder, "walk.usda", *options, "--json", table, code=2)
     assert f"{Path(table)} cannot be both a layer and the table. Choose another name for --json." in error
 

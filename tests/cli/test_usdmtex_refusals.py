@@ -179,7 +179,7 @@ def test_a_bug_says_so(shot_folder: Path, monkeypatch: pytest.MonkeyPatch, capsy
     def fail(*_: object, **__: object) -> None:
         raise ZeroDivisionError("oh")
 
-    monkeypatch.setattr(api, "texture_motion", fail)
+    monkeypatch.setattr(api, "finish_job", fail)
     before = contents(shot_folder)
     assert main(["walk.usda"]) == 70
     captured = capsys.readouterr()

@@ -6,7 +6,8 @@ from pxr import Gf, Sdf, Usd, UsdSkel, Vt
 
 from mtex_usd.errors import InputError
 from mtex_usd.motion.skeleton import Skeleton
-from mtex_usd.usd.animation import fill_missing, sample_sketch, to_clip
+from mtex_usd.usd.animation import sample_sketch
+from mtex_usd.usd.sampled_clip import fill_missing, to_clip
 from tests.usd.animation_support import (
     JOINTS,
     author_animation,

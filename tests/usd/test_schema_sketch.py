@@ -185,7 +185,7 @@ RECIPES = st.builds(
     max_stretch=st.floats(1.0, 1e6),
     scale=st.booleans(),
     join_time=st.floats(1e-6, 1e6),
-    contacts=st.just("off"),
+    contacts=st.sampled_from(["off", "detect", "declared"]),
 )
 
 
@@ -239,7 +239,7 @@ print(has_api(prim, "{SKETCH_API}"), has_api(prim, "MtexTakeAPI"), read_recipe(p
         ("int2 mtex:textureBands = (3, 2)", r"mtex:textureBands is not allowed; expected .*first not above last"),
         ("int2 mtex:textureBands = (-1, 2)", r"mtex:textureBands is not allowed; .*found \(-1, 2\)"),
         ('token mtex:pathCost = "cheap"', r'mtex:pathCost is not allowed; expected "consecutive" or "continuity"'),
-        ('token mtex:contacts = "detect"', r'contacts "detect" is not supported by this version; expected "off"'),
+        ('token mtex:contacts = "always"', r"mtex:contacts is not allowed; .* found always"),
         ("int mtex:paths.timeSamples = { 1: 2 }", r"mtex:paths changes over time; expected one value for all time"),
         ('token[] mtex:synthesise = ["a"]', r"mtex:synthesise is not a property.*Did you mean mtex:synthesize\?"),
         ("int mtex:zzz = 1", r"mtex:zzz is not a property.*expected one of mtex:break, .*Remove it"),

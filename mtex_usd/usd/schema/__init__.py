@@ -6,20 +6,25 @@ only where its schema is applied, so that ``delete apiSchemas`` in a stronger la
 """
 
 from mtex_usd.usd.schema.applied import api_instances, authored, has_api
+from mtex_usd.usd.schema.contact import CONTACT_API, CONTACT_MODES, ContactSettings, read_contacts
 from mtex_usd.usd.schema.retarget import RETARGET_API, read_pairs
 from mtex_usd.usd.schema.sketch import SEGMENT_API, SKETCH_API, TAKES_PROPERTY, read_recipe
 from mtex_usd.usd.schema.take import TAKE_API, TakeSettings, read_take_settings
 
 __all__ = [
+    "CONTACT_API",
+    "CONTACT_MODES",
     "RETARGET_API",
     "SEGMENT_API",
     "SKETCH_API",
     "TAKES_PROPERTY",
     "TAKE_API",
+    "ContactSettings",
     "TakeSettings",
     "api_instances",
     "authored",
     "has_api",
+    "read_contacts",
     "read_pairs",
     "read_recipe",
     "read_take_settings",

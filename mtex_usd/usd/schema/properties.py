@@ -18,7 +18,9 @@ __all__ = [
     "FINITE",
     "INT",
     "INT2",
+    "POINT",
     "TIME_CODE",
+    "TIME_CODES",
     "TOKEN",
     "TOKENS",
     "Kind",
@@ -56,6 +58,8 @@ BOOL = Kind("bool", (bool,), bool)
 INT = Kind("int", (int,), int)
 INT2 = Kind("int2", (Gf.Vec2i,), lambda value: (int(value[0]), int(value[1])))
 DOUBLE = Kind("double", (float, int), float)
+POINT = Kind("point3d", (Gf.Vec3d, Gf.Vec3f), lambda value: (float(value[0]), float(value[1]), float(value[2])))
+TIME_CODES = Kind("timecode[]", (Sdf.TimeCodeArray,), lambda value: tuple(float(code.GetValue()) for code in value))
 TIME_CODE = Kind("timecode", (Sdf.TimeCode,), lambda value: float(value.GetValue()))
 
 

@@ -6,8 +6,8 @@ import math
 from pxr import Usd
 
 from mtex_usd.errors import InputError
-from mtex_usd.texture.recipe import PATH_COSTS, Recipe, Segment
-from mtex_usd.usd.schema.applied import api_instances, where
+from mtex_usd.texture.recipe import CONTACTS, PATH_COSTS, Recipe, Segment
+from mtex_usd.usd.schema.applied import api_instances
 from mtex_usd.usd.schema.properties import (
     BOOL,
     DOUBLE,
@@ -40,6 +40,7 @@ _DURATION = Rule(lambda value: math.isfinite(value) and value > 0.0, "seconds ab
 _ANGLE = Rule(lambda value: 0.0 <= value <= 180.0, "degrees from 0 to 180")
 _PATHS = Rule(lambda value: value >= 1, "at least 1")
 _CANDIDATES = Rule(lambda value: value >= 0, "at least 1, or 0 for a tenth of all take fragments")
+_CONTACTS = Rule(lambda value: value in CONTACTS, " or ".join(f'"{choice}"' for choice in CONTACTS))
 _PATH_COST = Rule(lambda value: value in PATH_COSTS, " or ".join(f'"{cost}"' for cost in PATH_COSTS))
 
 _SKETCH_PROPERTIES = (
@@ -60,7 +61,7 @@ _SKETCH_PROPERTIES = (
     Property("max_stretch", "maxStretch", DOUBLE, _STRETCH),
     Property("scale", "scale", BOOL),
     Property("join_time", "joinTime", DOUBLE, _DURATION),
-    Property("contacts", "contacts", TOKEN),
+    Property("contacts", "contacts", TOKEN, _CONTACTS),
 )
 _SEGMENT_PROPERTIES = (
     Property("start", "start", TIME_CODE, FINITE),
@@ -94,14 +95,7 @@ def read_recipe(prim: Usd.Prim) -> Recipe:
     """
     check_names(prim, "mtex:", [TAKES_PROPERTY.removeprefix("mtex:"), *(known.name for known in _SKETCH_PROPERTIES)])
     fields = read_properties(prim, "mtex:", _SKETCH_PROPERTIES)
-    _check_contacts(prim, fields.get("contacts", "off"))
     return Recipe(**fields, segments=_read_segments(prim))
-
-
-def _check_contacts(prim: Usd.Prim, contacts: str) -> None:
-    if contacts != "off":
-        found = f'{where(prim, "mtex:contacts")}: contacts "{contacts}"'
-        raise InputError(f"{found} is not supported by this version", expected='"off"')
 
 
 def _read_segments(prim: Usd.Prim) -> tuple[Segment, ...]:

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 from pxr import Sdf, Usd
 
-from mtex_usd.errors import InputError, StageError
+from mtex_usd.errors import InputError
 from mtex_usd.usd.schema.applied import has_api, where
 from mtex_usd.usd.schema.properties import FINITE, TIME_CODE, TOKEN, Property, check_names, read_properties
+from mtex_usd.usd.schema.targets import check_dropped
 
 __all__ = ["TAKE_API", "TakeSettings", "read_take_settings"]
 
@@ -81,22 +82,5 @@ def _read_skeleton(prim: Usd.Prim, name: str) -> Sdf.Path | None:
     if len(targets) > 1:
         found = ", ".join(map(str, targets))
         raise InputError(f"{where(prim, name)} is ambiguous", expected="one Skeleton", found=found)
-    _check_dropped(relationship, targets)
+    check_dropped(relationship, targets)
     return targets[0] if targets else None
-
-
-def _check_dropped(relationship: Usd.Relationship, targets: list[Sdf.Path]) -> None:
-    """Refuse to go on without a target that a layer names but composition could not carry over."""
-    if targets:
-        return
-    specs = [spec for spec in relationship.GetPropertyStack() if isinstance(spec, Sdf.RelationshipSpec)]
-    for spec in specs:
-        lost = spec.targetPathList.GetAppliedItems()
-        if lost:
-            raise StageError(
-                f"{relationship.GetPath()}: composition dropped the target {lost[0]}",
-                found=f"the target in layer {spec.layer.identifier}, outside what is referenced from there",
-                fix="Move the target below the referenced prim, or author the relationship in the referencing layer.",
-            )
-        if spec.targetPathList.isExplicit:
-            return

@@ -1,0 +1,158 @@
+"""Motions that were not textured made to keep their contacts, and contacts found for an animator to edit."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mtex_usd.constraints.contacts import detect_contacts
+from mtex_usd.constraints.planting import Held, Hold, describe_holds, hold_motion, plan_contacts
+from mtex_usd.errors import InputError
+from mtex_usd.motion.clip import Clip
+from mtex_usd.results import EditResult
+from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_paths
+from mtex_usd.usd.atomic import check_target
+from mtex_usd.usd.check import check_override
+from mtex_usd.usd.contact_layer import write_contacts
+from mtex_usd.usd.edited import EditJob, build_edit, find_contacted, read_edit_jobs
+from mtex_usd.usd.override import write_override
+from mtex_usd.usd.source_stage import open_source
+from mtex_usd.usd.thin_root import thin_root_path
+
+__all__ = ["constrain", "find_contacts"]
+
+_VARIANT = "constrained"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Done:
+    job: EditJob
+    holds: tuple[Hold, ...]
+    held: Held
+
+
+def constrain(
+    stage_path: FilePath,
+    *,
+    out: FilePath | None = None,
+    anim: PrimPath | Sequence[PrimPath] = (),
+    contacts: str = "declared",
+    select: str | None = None,
+    dry_run: bool = False,
+) -> tuple[EditResult, ...]:
+    """Make animations of a shot keep their contacts, in an override layer with ``original`` and ``constrained``.
+
+    Parameters
+    ----------
+    stage_path
+        The shot, or the thin root of an earlier run. It and all it is made of stay as they are.
+    out
+        The override layer; by default ``<shot>.edit.usd`` beside the shot.
+    anim
+        Prim path or paths of the animations; by default all with MtexContactAPI.
+    contacts
+        ``declared``, what MtexContactAPI says; ``detect``, the feet that are found on the floor as well.
+    select
+        The variant to select; by default the user's earlier choice, else ``constrained``.
+    dry_run
+        Do everything but write.
+
+    Returns
+    -------
+    tuple of EditResult
+        One per animation and character.
+
+    Raises
+    ------
+    InputError
+        Options or contacts that are not right.
+    StageError
+        No such animation, nothing that plays it, or a stronger opinion in the way.
+    NoSolutionError
+        Where contacts cannot be held together; nothing is written.
+    ResultError
+        What was written does not read back as computed.
+    """
+    if contacts not in ("declared", "detect"):
+        raise InputError("cannot constrain so", expected='contacts "declared" or "detect"', found=repr(contacts))
+    source = open_source(as_file_path(stage_path, "stage"))
+    target = (
+        source.source_path.with_name(f"{source.source_path.stem}.edit.usd") if out is None else as_file_path(out, "out")
+    )
+    check_target(target, "override")
+    check_target(thin_root_path(target), "stage")
+    animations = find_contacted(source.stage, only=as_prim_paths(anim, "anim"))
+    done = [_hold(job, contacts) for job in read_edit_jobs(source.stage, animations, contacts, previous=target)]
+    built = [build_edit(each.job, each.held.clip, _VARIANT, _describe_holds(each)) for each in done]
+    if not dry_run:
+        _, root = write_override(source.stage, built, target, select=select)
+        check_override(root, built)
+    return tuple(_describe(each, target) for each in done)
+
+
+def _hold(job: EditJob, contacts: str) -> _Done:
+    found = _detect(job.clip) if contacts == "detect" else ()
+    said = {hold.joint for hold in job.holds}
+    holds = (*job.holds, *(hold for hold in found if hold.joint not in said))
+    return _Done(job=job, holds=holds, held=hold_motion(job.clip, holds, frequency=job.frequency))
+
+
+def _detect(clip: Clip) -> tuple[Hold, ...]:
+    return plan_contacts(detect_contacts(clip), clip)
+
+
+def _describe_holds(done: _Done) -> dict[str, object]:
+    """The variant's ``customData["mtex"]``."""
+    return {"edit": _VARIANT, "contacts": describe_holds(done.holds, done.job.clip)}
+
+
+def _describe(done: _Done, target: Path) -> EditResult:
+    character, solution = done.job.character, done.held.solution
+    residuals = {} if solution is None else dict(solution.residuals)
+    return EditResult(
+        anim=str(character.animation),
+        model=str(character.model),
+        variantSet=character.variant_set,
+        variant=_VARIANT,
+        clip=done.held.clip,
+        custom_data=_describe_holds(done),
+        residuals=residuals,
+        layer=target,
+        stage=thin_root_path(target),
+    )
+
+
+def find_contacts(stage_path: FilePath, *, out: FilePath, anim: PrimPath | Sequence[PrimPath] = ()) -> tuple[str, ...]:
+    """Find the contacts of feet and write them as MtexContactAPI into a layer for an animator to edit.
+
+    Parameters
+    ----------
+    stage_path
+        The shot.
+    out
+        The layer to write, overs only; put it among the shot's sublayers, edit it, and constrain.
+    anim
+        Prim path or paths of the animations; by default all that Skeletons play.
+
+    Returns
+    -------
+    tuple of str
+        Paths of the animations contacts were written for.
+
+    Raises
+    ------
+    InputError
+        Where no contact is found on any, or the file cannot be written.
+    StageError
+        No such animation, or nothing that plays it.
+    """
+    source = open_source(as_file_path(stage_path, "stage"))
+    target = as_file_path(out, "out")
+    check_target(target, "contacts")
+    animations = find_contacted(source.stage, only=as_prim_paths(anim, "anim"), all_played=True)
+    jobs = read_edit_jobs(source.stage, animations, "detect", previous=target)
+    found = {job.character.animation: (job.clip, plan_contacts(detect_contacts(job.clip), job.clip)) for job in jobs}
+    found = {path: both for path, both in found.items() if both[1]}
+    if not found:
+        raise InputError("no contact was found", expected="feet that stand on the floor for a moment")
+    write_contacts(source.stage, found, target)
+    return tuple(str(path) for path in found)

@@ -1,0 +1,124 @@
+"""A sketch that was worked on, and what its variants will say in the override layer."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from mtex_usd.constraints.planting import Hold, describe_holds
+from mtex_usd.motion.clip import Clip
+from mtex_usd.texture.result import TexturedMotion, Variant
+from mtex_usd.usd.animation import AnimationSamples
+from mtex_usd.usd.override import CharacterResult, VariantSamples, variant_names
+from mtex_usd.usd.sampled_clip import add_joints
+from mtex_usd.usd.shot import Job
+
+__all__ = ["Finished", "build_result", "describe_variants"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Finished:
+    """A sketch that was worked on.
+
+    Parameters
+    ----------
+    job
+        What was read.
+    motion
+        What was made; its clips keep the contacts.
+    holds
+        What is held, per variant.
+    held_joints
+        Indices of joints that were changed to hold it, beside the recipe's channels.
+    """
+
+    job: Job
+    motion: TexturedMotion
+    holds: tuple[tuple[Hold, ...], ...]
+    held_joints: tuple[int, ...]
+
+
+def build_result(finished: Finished) -> CharacterResult:
+    """Give what each variant will say: the sketch's own arrays, bit for bit where nothing was copied or held.
+
+    Parameters
+    ----------
+    finished
+        What was made.
+    """
+    job, motion = finished.job, finished.motion
+    held = dict.fromkeys(job.sketch.joints[joint] for joint in finished.held_joints)
+    rotations, translations = {**_touched(motion, "r"), **held}, {**_touched(motion, "t"), **held}
+    added = tuple(
+        joint
+        for joint in job.sketch.joints
+        if joint in {**rotations, **translations} and joint not in job.samples.joints
+    )
+    base = add_joints(job.samples, added, job.sketch.skeleton)
+    variants = tuple(
+        _build_samples(base, variant.clip, rotations, translations, custom_data)
+        for variant, custom_data in zip(motion.variants, describe_variants(finished), strict=True)
+    )
+    return CharacterResult(character=job.character, names=variant_names(len(variants)), variants=variants)
+
+
+def _touched(motion: TexturedMotion, kind: str) -> dict[str, None]:
+    """Joint paths with a copied channel of a kind, ``r`` or ``t``."""
+    return dict.fromkeys(name.rpartition(".")[0] for name in motion.channels if name.rpartition(".")[2][0] == kind)
+
+
+def _build_samples(
+    base: AnimationSamples,
+    clip: Clip,
+    turned: Collection[str],
+    moved: Collection[str],
+    custom_data: Mapping[str, object],
+) -> VariantSamples:
+    """Give one variant's samples: those of joints `turned` and `moved` from its clip."""
+    rotations, translations = np.array(base.rotations), np.array(base.translations)
+    for target, source, touched in ((rotations, clip.rotations, turned), (translations, clip.translations, moved)):
+        for joint in touched:
+            target[:, base.joints.index(joint)] = source[:, clip.joints.index(joint)]
+    return VariantSamples(
+        joints=base.joints,
+        time_codes=base.time_codes,
+        rotations=rotations,
+        translations=translations,
+        scales=base.scales,
+        custom_data=custom_data,
+    )
+
+
+def describe_variants(finished: Finished) -> tuple[dict[str, object], ...]:
+    """Give the ``customData["mtex"]`` of every variant; with its contacts where there are any.
+
+    Parameters
+    ----------
+    finished
+        What was made.
+    """
+    pairs = zip(finished.motion.variants, finished.holds, strict=True)
+    return tuple(_describe(variant, finished.motion, holds) for variant, holds in pairs)
+
+
+def _describe(variant: Variant, motion: TexturedMotion, holds: Sequence[Hold]) -> dict[str, object]:
+    contacts = {"contacts": describe_holds(holds, variant.clip)} if holds else {}
+    return {
+        "rank": variant.rank,
+        "distance": variant.distance,
+        "zeroCostJoins": variant.zero_cost_joins,
+        "rotationOrders": dict(motion.rotation_orders),
+        "fragments": [
+            {
+                "start": use.start,
+                "end": use.end,
+                "take": use.take,
+                "takeStart": use.take_start,
+                "takeEnd": use.take_end,
+                "distance": use.distance,
+                "scale": use.scale,
+            }
+            for use in variant.fragments
+        ],
+        **contacts,
+    }

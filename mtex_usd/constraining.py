@@ -93,7 +93,7 @@ def _hold(job: EditJob, contacts: str) -> _Done:
     found = _detect(job.clip) if contacts == "detect" else ()
     said = {hold.joint for hold in job.holds}
     holds = (*job.holds, *(hold for hold in found if hold.joint not in said))
-    return _Done(job=job, holds=holds, held=hold_motion(job.clip, holds, frequency=job.frequency))
+    return _Done(job=job, holds=holds, held=hold_motion(job.clip, holds, frequency=job.frequency, limits=job.limits))
 
 
 def _detect(clip: Clip) -> tuple[Hold, ...]:

@@ -85,7 +85,7 @@ def _hold_variant(variant: Variant, job: Job, recipe: Recipe, holds: Sequence[Ho
     restored = restore_feet(variant.clip, job.sketch, holds, kept=filled)
     own = _detect(restored, spare=set(range(len(job.sketch.joints))) - filled) if recipe.contacts == "detect" else ()
     everything = (*holds, *own)
-    return hold_motion(restored, everything, frequency=job.frequency).clip, everything
+    return hold_motion(restored, everything, frequency=job.frequency, limits=job.limits).clip, everything
 
 
 def _changed_joints(before: Clip, after: Clip) -> set[int]:

@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 from pxr import Sdf, Usd
 
-from mtex_usd.constraints.planting import Hold
+from mtex_usd.constraints.planting import Hold, JointRange
 from mtex_usd.errors import StageError
 from mtex_usd.motion.clip import Clip
 from mtex_usd.usd.animation import AnimationSamples, sample_sketch
 from mtex_usd.usd.characters import Character, find_characters
 from mtex_usd.usd.clip_io import ClipReader
 from mtex_usd.usd.contacts import declared_frequency, read_holds
+from mtex_usd.usd.limits import read_limits
 from mtex_usd.usd.override import CharacterResult, VariantSamples
 from mtex_usd.usd.recipe_targets import is_own_output
 from mtex_usd.usd.sampled_clip import add_joints, fill_missing, to_clip
@@ -39,6 +40,8 @@ class EditJob:
         Contacts declared on it.
     frequency
         The highest frequency of what is changed to hold contacts, Hz.
+    limits
+        How far the character's joints may turn for it.
     """
 
     character: Character
@@ -46,6 +49,7 @@ class EditJob:
     clip: Clip
     holds: tuple[Hold, ...]
     frequency: float
+    limits: tuple[JointRange, ...]
 
 
 def find_contacted(stage: Usd.Stage, *, only: Sequence[str] = (), all_played: bool = False) -> tuple[Sdf.Path, ...]:
@@ -122,7 +126,14 @@ def read_edit_jobs(
         clip = to_clip(samples, skeleton)
         holds = read_holds(prim, skeleton_prim, clip, contacts)
         jobs.append(
-            EditJob(character=character, samples=samples, clip=clip, holds=holds, frequency=declared_frequency(prim))
+            EditJob(
+                character=character,
+                samples=samples,
+                clip=clip,
+                holds=holds,
+                frequency=declared_frequency(prim),
+                limits=read_limits(skeleton_prim, skeleton),
+            )
         )
     return tuple(jobs)
 

@@ -19,10 +19,12 @@ def fit_takes(
 
     Parameters
     ----------
-    sketch_prim, take_prims
-        Where MtexRetargetAPI may be applied; a take's own pairs are stronger than the sketch's.
+    sketch_prim
+        Where MtexRetargetAPI may be applied for all takes.
     sketch
         The sketch on all joints of the character.
+    take_prims
+        Where MtexRetargetAPI may be applied for one take, which is stronger.
     takes
         The takes on their own skeletons, one per prim.
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pxr import Sdf, Usd
 
-from mtex_usd.constraints.planting import Hold
+from mtex_usd.constraints.planting import Hold, JointRange
 from mtex_usd.constraints.retargeting import FittedTake
 from mtex_usd.errors import StageError
 from mtex_usd.motion.clip import Clip
@@ -17,6 +17,7 @@ from mtex_usd.usd.characters import Character, find_characters
 from mtex_usd.usd.clip_io import ClipReader
 from mtex_usd.usd.contacts import declared_frequency, read_holds
 from mtex_usd.usd.fit_takes import fit_takes
+from mtex_usd.usd.limits import read_limits
 from mtex_usd.usd.recipe_targets import find_sketches, find_takes
 from mtex_usd.usd.sampled_clip import fill_missing, to_clip
 from mtex_usd.usd.schema import read_recipe
@@ -54,6 +55,8 @@ class Job:
         Contacts declared on the sketch; none where the recipe is to hold none.
     frequency
         The highest frequency of what is changed to hold contacts, Hz.
+    limits
+        How far the character's joints may turn for it.
     """
 
     character: Character
@@ -63,6 +66,7 @@ class Job:
     recipe: Recipe
     holds: tuple[Hold, ...]
     frequency: float
+    limits: tuple[JointRange, ...]
 
 
 def find_cast(stage: Usd.Stage, *, only: Sequence[str], previous: Path) -> Cast:
@@ -142,4 +146,5 @@ def read_jobs(stage: Usd.Stage, characters: Sequence[Character]) -> Iterator[Job
         recipe = read_recipe(prim)
         fitted = fit_takes(prim, sketch, take_prims, recorded)
         holds = read_holds(prim, skeleton_prim, sketch, recipe.contacts)
-        yield Job(character, samples, sketch, fitted, recipe, holds, declared_frequency(prim))
+        limits = () if recipe.contacts == "off" else read_limits(skeleton_prim, skeleton)
+        yield Job(character, samples, sketch, fitted, recipe, holds, declared_frequency(prim), limits)

@@ -27,10 +27,12 @@ def retarget_with_contacts(
 
     Parameters
     ----------
-    clip, onto, pairs
+    clip, onto
         As :func:`mtex_usd.constraints.retargeting.retarget` takes them.
     contacts
         Contacts of the motion's heels and toes; those found on it where None.
+    pairs
+        As that function takes them.
     frequency
         The highest frequency of the change, Hz.
 

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mtex_usd.constraints.ik import solve_two_bone
+from mtex_usd.constraints.planting.limits import JointRange, to_ranges
 from mtex_usd.constraints.planting.plan import Hold, find_limb, to_constraints
 from mtex_usd.constraints.spacetime import Solution, solve_spacetime
 from mtex_usd.motion import quaternion
@@ -21,8 +22,8 @@ from mtex_usd.motion.skeleton import Skeleton
 
 __all__ = ["Held", "hold_motion", "restore_feet"]
 
-# The root's way is the animator's: a change of it counts ten times what a turn that moves the feet as far does.
-_ROOT_WEIGHT = 10.0
+# The root's way is the animator's: a change of it counts three times what a turn that moves the feet as far does.
+_ROOT_WEIGHT = 3.0
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -43,7 +44,9 @@ class Held:
     solution: Solution | None
 
 
-def hold_motion(clip: Clip, holds: Sequence[Hold], *, frequency: float = 6.0) -> Held:
+def hold_motion(
+    clip: Clip, holds: Sequence[Hold], *, frequency: float = 6.0, limits: Sequence[JointRange] = ()
+) -> Held:
     """Change a motion as little as it takes to hold points.
 
     Parameters
@@ -54,6 +57,8 @@ def hold_motion(clip: Clip, holds: Sequence[Hold], *, frequency: float = 6.0) ->
         What is to be held.
     frequency
         The highest frequency of the change, Hz.
+    limits
+        How far joints may turn; where the motion turns them farther itself, as far as that.
 
     Raises
     ------
@@ -64,12 +69,17 @@ def hold_motion(clip: Clip, holds: Sequence[Hold], *, frequency: float = 6.0) ->
         return Held(clip=clip, solution=None)
     solution = solve_spacetime(
         clip,
-        to_constraints(holds, clip.skeleton),
+        [*to_constraints(holds, clip.skeleton), *to_ranges(clip, limits, _moving(clip.skeleton, holds))],
         frequency=frequency,
         joint_weights=dict.fromkeys(_pelvis_joints(clip.skeleton), np.inf),
         translation_weight=_ROOT_WEIGHT,
     )
     return Held(clip=solution.clips[0], solution=solution)
+
+
+def _moving(skeleton: Skeleton, holds: Sequence[Hold]) -> set[int]:
+    """Joints that can be turned to hold something."""
+    return {joint for hold in holds for joint in skeleton.chain(hold.joint)}
 
 
 def _pelvis_joints(skeleton: Skeleton) -> list[str]:

@@ -154,10 +154,10 @@ def measure_scale(source: Skeleton, found: Anatomy, target: Skeleton, wanted: An
 
     Parameters
     ----------
-    source, target
-        The skeletons.
-    found, wanted
-        Their parts. What is measured is thigh and shin, as far as both have them; else the trunk.
+    source, found
+        The take's skeleton and its parts.
+    target, wanted
+        The character's. What is measured is thigh and shin, as far as both have them; else the trunk.
     """
     for parts in ([f"{side}.{part}" for side in SIDES for part in _LEG], ["hips", "neck"], ["hips", "head"]):
         shared = [part for part in parts if part in found.parts and part in wanted.parts]

@@ -100,10 +100,10 @@ def find_sections(
 
     Parameters
     ----------
-    source, target
-        The take's skeleton and the character's.
-    found, wanted
-        Their parts.
+    source, found
+        The take's skeleton and its parts.
+    target, wanted
+        The character's.
     pairs
         Joints that correspond as the user says, source by target, parts among them. One within a section divides it.
     named

@@ -34,7 +34,7 @@ from tests.benchmarks.quality.cases import METERS_PER_UNIT, load_captures, to_cl
 FloatArray = npt.NDArray[np.float64]
 
 STEP_M = 0.2
-ROOT_WEIGHT = 10.0
+ROOT_WEIGHT = 3.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

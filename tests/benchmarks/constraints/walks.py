@@ -6,6 +6,7 @@ followed by a spline fit of the change (Lee and Shin 1999), and by the whole-mot
 """
 
 import argparse
+import json
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -18,9 +19,10 @@ from scipy.interpolate import make_lsq_spline
 from mtex_usd.constraints.contacts import detect_contacts
 from mtex_usd.constraints.ik import Goal, solve_ik
 from mtex_usd.constraints.kinematics import place_points
-from mtex_usd.constraints.planting import Hold, held_back, hold_motion, plan_contacts, restore_feet
+from mtex_usd.constraints.planting import Hold, JointRange, held_back, hold_motion, plan_contacts, restore_feet
 from mtex_usd.constraints.spacetime import Displacement, measure_energy_above
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.channels import to_skeleton_rotations
 from mtex_usd.motion.clip import Clip
 from mtex_usd.texture.engine import texture_motion
 from mtex_usd.texture.recipe import Recipe
@@ -30,6 +32,7 @@ FloatArray = npt.NDArray[np.float64]
 
 FREQUENCY = 6.0
 JOIN_FRAMES = 10
+LIMITS_FILE = Path(__file__).with_name("limits_07.json")
 _ROUNDING = 1e-9  # radians
 
 
@@ -49,6 +52,8 @@ class Figures:
         Share of the change's energy above the frequency.
     border
         Largest acceleration of a joint near the borders of contacts, in the capture's largest.
+    excess_deg
+        Farthest that a joint is beyond its limits, or beyond what the motion had before where that was farther.
     """
 
     slide_mm: float
@@ -56,6 +61,7 @@ class Figures:
     change_deg: float
     above: float
     border: float
+    excess_deg: float
 
 
 def find_folds(data_dir: Path, names: Sequence[str]) -> list[Fold]:
@@ -129,7 +135,31 @@ def measure(clip: Clip, base: Clip, truth: Clip, holds: Sequence[Hold]) -> Figur
         change_deg=float(np.degrees(np.sqrt(np.mean(np.sum(outside**2, axis=-1))))),
         above=measure_energy_above(displacement, clip.rate, FREQUENCY),
         border=_border_acceleration(clip, holds) / float(_accelerations(truth).max()),
+        excess_deg=_excess(clip, base),
     )
+
+
+def read_limits(clip: Clip) -> tuple[JointRange, ...]:
+    """Ranges of the legs' joints from the data file, about the skeleton's axes."""
+    table = json.loads(LIMITS_FILE.read_text())["degrees"]
+    names = [joint.rpartition("/")[2] for joint in clip.joints]
+    upright = np.array([1.0, 0.0, 0.0, 0.0])
+    return tuple(
+        JointRange(joint=names.index(name), axes=upright, lower=np.array(lower), upper=np.array(upper))
+        for name, (lower, upper) in table.items()
+        if name in names
+    )
+
+
+def _excess(clip: Clip, base: Clip) -> float:
+    """How far joints go beyond their limits, degrees; -inf where there are none."""
+    excess = [-np.inf]
+    before, after = (to_skeleton_rotations(c.rotations, c.skeleton) for c in (base, clip))
+    for limit in read_limits(clip):
+        own, angles = (quaternion.to_euler(turns[:, limit.joint], "ZYX") for turns in (before, after))
+        lower, upper = np.minimum(limit.lower, own.min(axis=0)), np.maximum(limit.upper, own.max(axis=0))
+        excess.append(float(max((lower - angles).max(), (angles - upper).max())))
+    return max(excess)
 
 
 def _accelerations(clip: Clip) -> FloatArray:
@@ -155,7 +185,10 @@ def compare(fold: Fold) -> dict[str, tuple[Figures, float]]:
     }
     for name, solve in (
         ("per frame, then spline (Lee, Shin)", solve_lee_shin),
-        ("whole motion", lambda clip, what: hold_motion(clip, what, frequency=FREQUENCY).clip),
+        (
+            "whole motion",
+            lambda clip, what: hold_motion(clip, what, frequency=FREQUENCY, limits=read_limits(clip)).clip,
+        ),
     ):
         start = time.perf_counter()
         solved = solve(restored, holds)
@@ -172,13 +205,12 @@ def main() -> None:
     given = parser.parse_args()
     for fold in find_folds(given.data, given.names):
         print(f"\n### {fold.truth.name}, {fold.truth.frame_count} frames\n")
-        print("| feet | slide mm | off floor mm | change outside ° | energy above 6 Hz | acceleration at borders | s |")
-        print("| --- | ---: | ---: | ---: | ---: | ---: | ---: |")
+        print("| feet | slide mm | off floor mm | change outside ° | % above 6 Hz | at borders | beyond limits ° | s |")
+        print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
         for name, (figures, seconds) in compare(fold).items():
-            print(
-                f"| {name} | {figures.slide_mm:.2f} | {figures.off_floor_mm:.2f} | {figures.change_deg:.2f} | "
-                f"{figures.above:.4f} | {figures.border:.2f} | {seconds:.2f} |"
-            )
+            numbers = [figures.slide_mm, figures.off_floor_mm, figures.change_deg, 100.0 * figures.above]
+            numbers += [figures.border, max(figures.excess_deg, 0.0), seconds]
+            print(f"| {name} | {' | '.join(f'{number:.2f}' for number in numbers)} |")
 
 
 if __name__ == "__main__":

@@ -20,11 +20,11 @@ from mtex_usd.motion import quaternion
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import FloatArray
 
-__all__ = ["find_even_step", "frame_time_codes", "prefer_step", "resample_clip"]
+__all__ = ["LOW_PASS_REACH", "find_even_step", "frame_time_codes", "low_pass_kernel", "prefer_step", "resample_clip"]
 
 _SAME_RATE = 1e-6  # rates this near, relative, are one rate
 _FRAME_FITS = 1e-6  # how far past the end, in frames, a frame still belongs to the range
-_HALF_LENGTH = 10  # zero crossings on either side of the filter's middle, as resample_poly
+LOW_PASS_REACH = 10  # zero crossings on either side of the filter's middle, as resample_poly
 _KAISER_BETA = 5.0  # as resample_poly
 _LARGEST_TERM = 1000  # of the fraction that stands for the ratio of the rates when the filter's gain is summed
 
@@ -197,27 +197,35 @@ def _reduce(columns: FloatArray, count: int, ratio: float) -> FloatArray:
 def _reduction(frame_count: int, count: int, ratio: float) -> csr_array:
     """Weights [count, frame_count] of the low-pass at the new frames; beyond the ends there is nothing to weigh."""
     times = np.arange(count) / ratio
-    reach = int(np.ceil(_HALF_LENGTH / ratio))
+    reach = int(np.ceil(LOW_PASS_REACH / ratio))
     nearest = np.round(times).astype(np.intp)
     phases, which = np.unique(np.round(nearest - times, 9), return_inverse=True)
     offsets = np.arange(-reach, reach + 1)
-    weights = (_kernel(phases[:, None] + offsets, ratio) / _gain(ratio))[which.ravel()]
+    weights = (low_pass_kernel(phases[:, None] + offsets, ratio) / _gain(ratio))[which.ravel()]
     frames = nearest[:, None] + offsets
     inside = (frames >= 0) & (frames < frame_count)
     rows = np.concatenate([[0], np.cumsum(inside.sum(axis=1))])
     return csr_array((weights[inside], frames[inside], rows), shape=(count, frame_count))
 
 
-def _kernel(times: FloatArray, ratio: float) -> FloatArray:
-    """Kaiser-windowed sinc of the times from its middle, in frames of the source."""
-    within = np.clip(1.0 - np.square(times * ratio / _HALF_LENGTH), 0.0, None)
+def low_pass_kernel(times: FloatArray, ratio: FloatArray | float) -> FloatArray:
+    """Kaiser-windowed sinc that keeps what a lower rate can carry, not scaled.
+
+    Parameters
+    ----------
+    times
+        From its middle, in frames of the source; it is 0 beyond `LOW_PASS_REACH` / ratio.
+    ratio
+        New rate over the rate of the source, at most 1; broadcasts with the times.
+    """
+    within = np.clip(1.0 - np.square(times * ratio / LOW_PASS_REACH), 0.0, None)
     window = np.where(within > 0.0, np.i0(_KAISER_BETA * np.sqrt(within)), 0.0)
-    return np.sinc(times * ratio) * window
+    return np.asarray(np.sinc(times * ratio) * window)
 
 
 def _gain(ratio: float) -> float:
     """Sum of the kernel over the grid that both rates share: resample_poly scales its filter to 1 there."""
     fraction = Fraction(ratio).limit_denominator(_LARGEST_TERM)
     up, down = max(fraction.numerator, 1), fraction.denominator
-    taps: npt.NDArray[np.float64] = np.arange(-_HALF_LENGTH * down, _HALF_LENGTH * down + 1) / up
-    return float(_kernel(taps, up / down).sum()) / up
+    taps: npt.NDArray[np.float64] = np.arange(-LOW_PASS_REACH * down, LOW_PASS_REACH * down + 1) / up
+    return float(low_pass_kernel(taps, up / down).sum()) / up

@@ -23,7 +23,7 @@ from mtex_usd.usd.atomic import check_target
 from mtex_usd.usd.check import check_override
 from mtex_usd.usd.clip_io import read_clip, write_clip
 from mtex_usd.usd.finished import Finished, build_result, describe_variants
-from mtex_usd.usd.override import ORIGINAL, variant_names, write_override
+from mtex_usd.usd.override import ORIGINAL, check_maker, variant_names, write_override
 from mtex_usd.usd.plugin import registration_status
 from mtex_usd.usd.shot import find_cast, read_jobs
 from mtex_usd.usd.source_stage import find_override, open_source
@@ -101,6 +101,7 @@ def process(
     target, thin_root = find_outputs(stage_path, out=out)
     check_target(target, "override")
     check_target(thin_root, "stage")
+    check_maker(target, "path_")
     cast = find_cast(source.stage, only=sketches, previous=target)
     finished: list[Finished] = []
     for done, job in enumerate(read_jobs(source.stage, cast.wanted)):

@@ -14,7 +14,7 @@ from mtex_usd.usd.atomic import check_target
 from mtex_usd.usd.check import check_override
 from mtex_usd.usd.contact_layer import write_contacts
 from mtex_usd.usd.edited import EditJob, build_edit, find_contacted, read_edit_jobs
-from mtex_usd.usd.override import write_override
+from mtex_usd.usd.override import check_maker, write_override
 from mtex_usd.usd.source_stage import open_source
 from mtex_usd.usd.thin_root import thin_root_path
 
@@ -80,6 +80,7 @@ def constrain(
     )
     check_target(target, "override")
     check_target(thin_root_path(target), "stage")
+    check_maker(target, _VARIANT)
     animations = find_contacted(source.stage, only=as_prim_paths(anim, "anim"))
     done = [_hold(job, contacts) for job in read_edit_jobs(source.stage, animations, contacts, previous=target)]
     built = [build_edit(each.job, each.held.clip, _VARIANT, _describe_holds(each)) for each in done]
@@ -93,7 +94,11 @@ def _hold(job: EditJob, contacts: str) -> _Done:
     found = _detect(job.clip) if contacts == "detect" else ()
     said = {hold.joint for hold in job.holds}
     holds = (*job.holds, *(hold for hold in found if hold.joint not in said))
-    return _Done(job=job, holds=holds, held=hold_motion(job.clip, holds, frequency=job.frequency, limits=job.limits))
+    path = job.character.animation
+    if not holds:
+        raise InputError(f"{path}: no contact was found", expected="feet that stand on the floor for a moment")
+    held = hold_motion(job.clip, holds, frequency=job.frequency, limits=job.limits)
+    return _Done(job=job, holds=holds, held=held)
 
 
 def _detect(clip: Clip) -> tuple[Hold, ...]:

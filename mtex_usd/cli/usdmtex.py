@@ -58,7 +58,7 @@ def _build_parser() -> argparse.ArgumentParser:
         description="Read the recipe that a shot's sketches carry (MtexSketchAPI), find matching motion in recorded "
         "takes, and write an override layer with one variant per candidate path. Nothing that exists is changed.",
         epilog="Exit codes: 0 done; 2 bad usage or input; 3 the stage: no recipe, no animation, blocked by a stronger "
-        "opinion; 5 the written result did not validate; 70 a bug.",
+        "opinion; 4 contacts that cannot be held together; 5 the written result did not validate; 70 a bug.",
     )
     parser.add_argument("stage", type=Path, metavar="STAGE", help="the shot, or the .stage.usda of an earlier run")
     parser.add_argument(

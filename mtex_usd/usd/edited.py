@@ -76,7 +76,11 @@ def find_contacted(stage: Usd.Stage, *, only: Sequence[str] = (), all_played: bo
     if only:
         return tuple(map(Sdf.Path, only))
     played = find_bindings(stage)
-    animations = [prim.GetPath() for prim in stage.Traverse() if prim.IsA("SkelAnimation") and not is_own_output(prim)]
+    animations = [
+        prim.GetPath()
+        for prim in stage.Traverse(Usd.TraverseInstanceProxies())
+        if prim.IsA("SkelAnimation") and not is_own_output(prim)
+    ]
     wanted = [
         path for path in animations if (path in played if all_played else _has_contacts(stage.GetPrimAtPath(path)))
     ]

@@ -13,14 +13,15 @@ import numpy as np
 import numpy.typing as npt
 from pxr import Sdf, Usd, Vt
 
-from mtex_usd.usd.atomic import check_target, mark_layer, write_layer
+from mtex_usd.errors import InputError
+from mtex_usd.usd.atomic import check_target, file_kind, mark_layer, write_layer
 from mtex_usd.usd.characters import Character
 from mtex_usd.usd.custom_data import to_metadata
 from mtex_usd.usd.diagnostics import open_layer
 from mtex_usd.usd.selection import Selections, read_selections
 from mtex_usd.usd.thin_root import ROOT_METADATA, author_metadata, build_thin_root, read_root_metadata, thin_root_path
 
-__all__ = ["ORIGINAL", "CharacterResult", "VariantSamples", "variant_names", "write_override"]
+__all__ = ["ORIGINAL", "CharacterResult", "VariantSamples", "check_maker", "variant_names", "write_override"]
 
 ORIGINAL = "original"
 
@@ -80,6 +81,41 @@ def variant_names(count: int) -> tuple[str, ...]:
     """Name the path variants: ``path_01`` and on, padded so that they sort; ``original`` is not among them."""
     width = max(2, len(str(count)))
     return tuple(f"path_{i:0{width}d}" for i in range(1, count + 1))
+
+
+def check_maker(out: Path, variant: str) -> None:
+    """Refuse to replace an override layer that another command made.
+
+    Parameters
+    ----------
+    out
+        Where an override layer is going to be written.
+    variant
+        What the names of this command's variants begin with.
+
+    Raises
+    ------
+    InputError
+        Where a layer of ours is there, and its sets have no such variant.
+    """
+    if file_kind(out) != "override":
+        return
+    sets: list[Sdf.VariantSetSpec] = []
+    layer = open_layer(out)
+    layer.Traverse(Sdf.Path.absoluteRootPath, lambda path: sets.extend(_sets_at(layer, Sdf.Path(path))))
+    names = sorted({name for found in sets for name, _ in found.variants.items()} - {ORIGINAL})
+    if names and not any(name.startswith(variant) for name in names):
+        raise InputError(
+            f"{out} holds what another command made",
+            expected=f"variants such as {variant}",
+            found=", ".join(names),
+            fix="Choose another name for the output.",
+        )
+
+
+def _sets_at(layer: Sdf.Layer, path: Sdf.Path) -> list[Sdf.VariantSetSpec]:
+    prim = layer.GetPrimAtPath(path) if path.IsPrimPath() else None
+    return [found for name, found in prim.variantSets.items() if name.startswith("mtex")] if prim else []
 
 
 def write_override(

@@ -10,6 +10,7 @@ import pytest
 from pxr import Sdf, Usd, UsdSkel
 
 import mtex_usd
+from mtex_usd.cli.usdmtex import main as texture
 from mtex_usd.cli.usdmtex_edit import main
 from tests.cli.support import MODEL, SKETCH, Capture, contents
 
@@ -214,3 +215,22 @@ def test_the_installed_command_says_what_it_can() -> None:
     assert done.returncode == 0
     assert "constrain" in done.stdout
     assert "contacts" in done.stdout
+
+
+def test_texturing_does_not_replace_an_edit_nor_the_other_way_round(constrained: Path, capsys: Capture) -> None:
+    assert texture(["walk.usda", "-q"]) == 0
+    before = contents(constrained)
+    assert texture(["shot.edit.stage.usda"]) == 2
+    assert "shot.edit.usd holds what another command made" in capsys.readouterr().err
+    assert main(["constrain", "shot.usda", "-o", "walk.mtex.usd"]) == 2
+    assert "walk.mtex.usd holds what another command made" in capsys.readouterr().err
+    assert contents(constrained) == before
+
+
+def test_nothing_to_hold_is_said(shot_folder: Path, capsys: Capture) -> None:
+    """A character that never sets a foot down."""
+    text = '#usda 1.0\nover "Humanoid" {\nover "Sketch" {\nuniform token[] joints = ["Spine"]\n}\n}\n'
+    (shot_folder / "none.usda").write_text(text, encoding="utf-8")
+    stack(shot_folder, "none.usda", "walk.usda")
+    assert main(["constrain", "shot.usda", "--detect", "--anim", SKETCH]) in (2, 3)
+    assert not Path("shot.edit.usd").exists()

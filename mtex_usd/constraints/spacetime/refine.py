@@ -18,10 +18,10 @@ __all__ = ["Outcome", "refine_until_met"]
 
 _LEAST_STEP = 1e-4  # radians or reaches: the search is at rest when no channel would move by more
 _SHRINKS = 0.3  # ratio of two steps below which the search is seen to close in
-_MOST_STEPS = 60
-_STALLED = 1e-3  # radians or reaches: steps as small, with constraints unmet, lead nowhere
+_MOST_STEPS = 200
+_STALLED = 1e-4  # radians or reaches: steps as small, with constraints unmet, lead nowhere
 _GAIN = 0.5  # of the violation: a step that leaves less is no standstill
-_MOST_RESTORATIONS = 10
+_MOST_RESTORATIONS = 40
 _REACH = 2  # spans on either side of one that is too stiff: a cubic reaches as far
 _EFFORTS = (Effort(rounds=12, gain=0.4), Effort(rounds=100, gain=0.95))
 _MOST_NAMES = 20

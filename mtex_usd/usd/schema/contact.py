@@ -116,6 +116,9 @@ def _read_contact(prim: Usd.Prim, name: str) -> ContactSettings:
     if "joint" not in fields:
         raise InputError(f"{prim.GetPath()}: contact {name} names no joint", expected=f"token {prefix}joint")
     contact = ContactSettings(name=name, target=_read_target(prim, f"{prefix}target"), **fields)
+    if contact.mode in {"plant", "slide"} and contact.target is not None:
+        message = f"{prim.GetPath()}: contact {name} would keep still on a target"
+        raise InputError(message, expected='mode "follow" or "touch", or no target', found=f'"{contact.mode}"')
     if contact.mode == "follow" and contact.target is None:
         raise InputError(f"{prim.GetPath()}: contact {name} follows nothing", expected=f"rel {prefix}target")
     if contact.mode == "touch" and contact.target is None and contact.point is None:

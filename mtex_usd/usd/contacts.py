@@ -6,7 +6,6 @@ from pxr import Usd, UsdGeom
 from mtex_usd.constraints.contacts import Contact, Effector, detect_contacts
 from mtex_usd.constraints.planting import Hold
 from mtex_usd.errors import InputError, StageError
-from mtex_usd.motion import quaternion
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import FloatArray
 from mtex_usd.usd.schema import ContactSettings, read_contacts
@@ -140,10 +139,9 @@ def _hold_interval(
     contact: ContactSettings,
 ) -> Hold:
     """A contact with its interval given."""
-    own = _track(clip, effector, first, last)
-    places = _find_places(own, clip.time_codes[first : last + 1], skeleton_prim, contact)
     slides = contact.mode == "slide"
-    height = float((own if places is None else places)[0] @ clip.skeleton.up) if slides else None
+    space = _find_space(clip.time_codes[first : last + 1], skeleton_prim, contact)
+    places = None if contact.mode == "follow" and contact.point is None else _find_places(space, contact)
     return Hold(
         name=f"{contact.name} {number}",
         joint=effector.joint,
@@ -151,36 +149,29 @@ def _hold_interval(
         first=first,
         last=last,
         still=contact.mode == "plant" and places is None,
-        height=height,
+        height=float(places[0] @ clip.skeleton.up) if slides and places is not None else None,
+        keeps_height=slides and places is None,
         places=None if slides else places,
+        carried=space if contact.mode == "follow" and places is None else None,
         tolerance=contact.tolerance,
     )
 
 
-def _track(clip: Clip, effector: Effector, first: int, last: int) -> FloatArray:
-    """Where the animation has the point, skeleton space, [N, 3]."""
-    frames = slice(first, last + 1)
-    positions, world = clip.skeleton.world_pose(clip.rotations[frames], clip.translations[frames])
-    offset = quaternion.rotate(world[:, effector.joint], effector.offset)
-    return np.asarray(positions[:, effector.joint] + offset)
+def _find_space(time_codes: FloatArray, skeleton_prim: Usd.Prim, contact: ContactSettings) -> FloatArray:
+    """From the target's space, or the world's, into skeleton space at every frame, row vectors, [N, 4, 4]."""
+    from_world = np.linalg.inv(_matrix(skeleton_prim, float(time_codes[0])))
+    if contact.target is None:
+        return np.tile(from_world, (len(time_codes), 1, 1))
+    target = skeleton_prim.GetStage().GetPrimAtPath(contact.target)
+    return np.array([_matrix(target, float(time)) @ from_world for time in time_codes])
 
 
-def _find_places(
-    own: FloatArray, time_codes: FloatArray, skeleton_prim: Usd.Prim, contact: ContactSettings
-) -> FloatArray | None:
+def _find_places(space: FloatArray, contact: ContactSettings) -> FloatArray | None:
     """Where the point is to be at every frame, skeleton space, [N, 3]; None where only the motion itself tells."""
     if contact.target is None and contact.point is None:
         return None
-    from_world = np.linalg.inv(np.array(_matrix(skeleton_prim, float(time_codes[0]))))
-    target = skeleton_prim.GetStage().GetPrimAtPath(contact.target) if contact.target else None
-    to_world = [_matrix(target, float(time)) if target else np.eye(4) for time in time_codes]
-    if contact.point is not None:
-        local = np.array([*contact.point, 1.0])
-    elif contact.mode == "touch":
-        local = np.array([0.0, 0.0, 0.0, 1.0])
-    else:
-        local = np.array([*own[0], 1.0]) @ np.linalg.inv(from_world) @ np.linalg.inv(to_world[0])
-    return np.array([(local @ matrix @ from_world)[:3] for matrix in to_world])
+    local = np.array([*(contact.point or (0.0, 0.0, 0.0)), 1.0])
+    return np.asarray((local @ space)[:, :3])
 
 
 def _matrix(prim: Usd.Prim, time_code: float) -> FloatArray:

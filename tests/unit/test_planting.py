@@ -100,3 +100,21 @@ def test_feet_of_a_leg_without_ankle_are_left_alone():
     clip = walk(40)
     moved = replace(clip, translations=clip.translations + 1.0)
     assert restore_feet(moved, clip, [hold(10, 14)]) is moved
+
+
+def test_what_slides_keeps_the_height_of_the_motion_it_is_held_on():
+    clip = walk(60)
+    moved = replace(clip, translations=clip.translations + np.array([0.0, 5.0, 0.0]) * (np.arange(11) == 0)[:, None])
+    slide = hold(20, 28, still=False, keeps_height=True)
+    for motion in (clip, moved):
+        held = hold_motion(motion, [slide]).clip
+        np.testing.assert_allclose(track(held, KNEE, SOLE)[20:29] @ UP, track(motion, KNEE, SOLE)[20] @ UP, atol=0.05)
+
+
+def test_what_follows_moves_with_what_carries_it():
+    clip = walk(60)
+    carried = np.tile(np.eye(4), (9, 1, 1))
+    carried[:, 3, 0] = np.linspace(100.0, 104.0, 9)
+    held = hold_motion(clip, [hold(20, 28, still=False, carried=carried)]).clip
+    way = track(held, KNEE, SOLE)[20:29] - track(clip, KNEE, SOLE)[20]
+    np.testing.assert_allclose(way, np.linspace(0.0, 4.0, 9)[:, None] * np.eye(3)[0], atol=0.05)

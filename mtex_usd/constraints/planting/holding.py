@@ -84,7 +84,7 @@ def hold_motion(
 def _solve(clip: Clip, holds: Sequence[Hold], frequency: float, limits: Sequence[JointRange]) -> Solution:
     return solve_spacetime(
         clip,
-        [*to_constraints(holds, clip.skeleton), *to_ranges(clip, limits, _moving(clip.skeleton, holds))],
+        [*to_constraints(holds, clip), *to_ranges(clip, limits, _moving(clip.skeleton, holds))],
         frequency=frequency,
         joint_weights=dict.fromkeys(_pelvis_joints(clip.skeleton), np.inf),
         translation_weight=_ROOT_WEIGHT,

@@ -1,7 +1,7 @@
 """What is to be held when: contacts as a whole-motion solve takes them, and the limbs they are about."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -40,8 +40,13 @@ class Hold:
         Whether the point keeps still, wherever that is; else only its height or its places count.
     height
         Height along up it is to have, skeleton units; None for any.
+    keeps_height
+        Whether it keeps the height that the motion it is held on has at the first frame.
     places
         Where it is to be at every frame, skeleton space, shape [N, 3]; None for anywhere.
+    carried
+        What it moves with from where the motion it is held on has it at the first frame: transforms into skeleton
+        space, row vectors, shape [N, 4, 4]; None for nothing.
     tolerance
         Metres.
     """
@@ -53,7 +58,9 @@ class Hold:
     last: int
     still: bool = False
     height: float | None = None
+    keeps_height: bool = False
     places: FloatArray | None = None
+    carried: FloatArray | None = None
     tolerance: float = 0.0005
 
     @property
@@ -108,15 +115,30 @@ def _near_frames(contact: Contact, clip: Clip, within: float) -> tuple[int, int]
     return (contact.first + int(near[0]), contact.first + int(near[-1])) if near.size else (0, 0)
 
 
-def to_constraints(holds: Sequence[Hold], skeleton: Skeleton) -> tuple[Constraint, ...]:
+def to_constraints(holds: Sequence[Hold], clip: Clip) -> tuple[Constraint, ...]:
     """Give the constraints a solve has to meet.
 
     Parameters
     ----------
-    holds, skeleton
-        What is held, and whose joints those are.
+    holds, clip
+        What is held, and on which motion.
     """
-    return tuple(constraint for hold in holds for constraint in _constrain(hold, skeleton))
+    settled = [_settle(hold, clip) for hold in holds]
+    return tuple(constraint for hold in settled for constraint in _constrain(hold, clip.skeleton))
+
+
+def _settle(hold: Hold, clip: Clip) -> Hold:
+    """Read off the motion what a hold leaves to it."""
+    if not hold.keeps_height and hold.carried is None:
+        return hold
+    frames = slice(hold.first, hold.first + 1)
+    offset = np.asarray(hold.offset)[None]
+    poses = (clip.rotations[frames], clip.translations[frames])
+    begin = place_points(clip.skeleton, [hold.joint], offset, *poses)[0, 0]
+    if hold.carried is None:
+        return replace(hold, height=float(begin @ clip.skeleton.up))
+    local = np.array([*begin, 1.0]) @ np.linalg.inv(hold.carried[0])
+    return replace(hold, places=(local @ hold.carried)[:, :3])
 
 
 def _constrain(hold: Hold, skeleton: Skeleton) -> list[Constraint]:

@@ -122,7 +122,7 @@ def raise_step(data_dir: Path) -> Scene:
             f"more than a degree: {frames.min()} to {frames.max()} of {walk.frame_count}"
         )
 
-    return _solve("a step 20 cm higher", [walk], to_constraints(changed, walk.skeleton), remark)
+    return _solve("a step 20 cm higher", [walk], to_constraints(changed, walk), remark)
 
 
 def reach_knob(data_dir: Path) -> Scene:
@@ -143,7 +143,7 @@ def reach_knob(data_dir: Path) -> Scene:
         moved = np.linalg.norm(knob - own)
         return f"the hand is {1000 * METERS_PER_UNIT * gap:.2f} mm off, moved {METERS_PER_UNIT * moved:.2f} m"
 
-    return _solve("a door knob", [walk], [*to_constraints(_plan(walk), walk.skeleton), reach], remark)
+    return _solve("a door knob", [walk], [*to_constraints(_plan(walk), walk), reach], remark)
 
 
 def _scale_body(skeleton: Skeleton, factor: Callable[[str], float]) -> Skeleton:
@@ -209,7 +209,7 @@ def _carry(clip: Clip, name: str, *, balance: bool) -> Scene:
     place = hips[0] + 0.45 * leg * front - 0.1 * leg * clip.skeleton.up + lift
     width = 0.4 * leg
     constraints: list[Constraint] = [
-        *to_constraints(_plan(clip), clip.skeleton),
+        *to_constraints(_plan(clip), clip),
         PointAt("left hand on the box", Point("lwrist"), frames, place + 0.5 * width * across),
         DistanceBetween("hands", Point("lwrist"), Point("rwrist"), frames, width),
         PointAt("right hand on the box", Point("rwrist"), frames[[0, -1]], place[[0, -1]] - 0.5 * width * across),
@@ -251,7 +251,7 @@ def jump_higher(data_dir: Path) -> Scene:
     base = np.interp(top, [before, after], heights[[before, after]])
     rise = heights[top] - base
     wanted = clip.translations[top, 0] + rise * clip.skeleton.up
-    constraints = [*to_constraints(holds, clip.skeleton), PointAt("the top", Point("Hips"), [top], wanted)]
+    constraints = [*to_constraints(holds, clip), PointAt("the top", Point("Hips"), [top], wanted)]
 
     def remark(solution: Solution) -> str:
         reached = solution.clips[0].translations[top, 0] @ clip.skeleton.up - base
@@ -312,7 +312,7 @@ def shrink(data_dir: Path) -> Scene:
         slides = [np.ptp(_track(solution.clips[0], h.joint, h.offset, h.frames), axis=0).max() for h in holds]
         return f"planted points move {1000 * METERS_PER_UNIT * max(slides):.2f} mm"
 
-    return _solve("shrinking to 60 %", [shrinking], to_constraints(holds, walk.skeleton), remark)
+    return _solve("shrinking to 60 %", [shrinking], to_constraints(holds, shrinking), remark)
 
 
 def all_scenes(data_dir: Path) -> list[Scene]:

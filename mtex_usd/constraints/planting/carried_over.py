@@ -3,7 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+import numpy.typing as npt
+
 from mtex_usd.constraints.contacts import Contact, Effector, detect_contacts, find_effectors
+from mtex_usd.constraints.kinematics import place_points
 from mtex_usd.constraints.planting.holding import Held, hold_motion
 from mtex_usd.constraints.planting.plan import Hold, plan_contacts
 from mtex_usd.constraints.retargeting import JointMap, Pair, map_joints, retarget_mapped
@@ -54,7 +58,25 @@ def retarget_with_contacts(
     joint_map = map_joints(clip.skeleton, skeleton, said)
     motion = retarget_mapped(clip, joint_map, like=onto if isinstance(onto, Clip) else None)
     found = plan_contacts(detect_contacts(clip) if contacts is None else contacts, clip)
-    return hold_motion(motion, _carry_over(found, motion, joint_map), frequency=frequency)
+    holds = _carry_over(found, motion, joint_map)
+    return hold_motion(_set_down(motion, holds, joint_map), holds, frequency=frequency)
+
+
+def _set_down(motion: Clip, holds: Sequence[Hold], joint_map: JointMap) -> Clip:
+    """Move the whole motion up or down to where its contacts are on the whole, so that feet in the air come along."""
+    gaps = [(hold.height or 0.0) - float(np.median(_track(hold, motion) @ motion.skeleton.up)) for hold in holds]
+    hips = joint_map.anatomies[1].parts["hips"]
+    if not gaps or motion.skeleton.parents[hips] >= 0:
+        return motion
+    translations = np.array(motion.translations)
+    translations[:, hips] += np.median(gaps) * motion.skeleton.up
+    return replace(motion, translations=translations)
+
+
+def _track(hold: Hold, motion: Clip) -> npt.NDArray[np.float64]:
+    """Where the motion has the point that is held, shape [N, 3]."""
+    poses = (motion.rotations[hold.frames], motion.translations[hold.frames])
+    return place_points(motion.skeleton, [hold.joint], np.asarray(hold.offset)[None], *poses)[:, 0]
 
 
 def _carry_over(holds: Sequence[Hold], motion: Clip, joint_map: JointMap) -> tuple[Hold, ...]:

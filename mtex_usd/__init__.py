@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from mtex_usd.api import (
         FailedFile,
         ImportResult,
+        apply_edits,
         constrain,
         find_contacts,
         import_takes,
@@ -46,6 +47,7 @@ __all__ = [
     "Retarget",
     "Skeleton",
     "StageError",
+    "apply_edits",
     "constrain",
     "find_contacts",
     "import_takes",
@@ -58,8 +60,8 @@ __all__ = [
 _HOMES = {
     **dict.fromkeys(
         (
-            *("FailedFile", "ImportResult", "constrain", "find_contacts", "import_takes", "list_takes"),
-            *("process", "read_clip", "write_clip"),
+            *("FailedFile", "ImportResult", "apply_edits", "constrain", "find_contacts", "import_takes"),
+            *("list_takes", "process", "read_clip", "write_clip"),
         ),
         "mtex_usd.api",
     ),

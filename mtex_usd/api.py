@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from mtex_usd.constraining import constrain, find_contacts
+from mtex_usd.editing import apply_edits
 from mtex_usd.errors import InputError
 from mtex_usd.importing import (
     FailedFile,
@@ -33,6 +34,7 @@ __all__ = [
     "FailedFile",
     "ImportResult",
     "ProgressCallback",
+    "apply_edits",
     "constrain",
     "find_contacts",
     "find_outputs",
@@ -101,7 +103,7 @@ def process(
     target, thin_root = find_outputs(stage_path, out=out)
     check_target(target, "override")
     check_target(thin_root, "stage")
-    check_maker(target, "path_")
+    check_maker(target, "usdmtex")
     cast = find_cast(source.stage, only=sketches, previous=target)
     finished: list[Finished] = []
     for done, job in enumerate(read_jobs(source.stage, cast.wanted)):

@@ -13,19 +13,21 @@ from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_pat
 from mtex_usd.usd.atomic import check_target
 from mtex_usd.usd.check import check_override
 from mtex_usd.usd.contact_layer import write_contacts
-from mtex_usd.usd.edited import EditJob, build_edit, find_contacted, read_edit_jobs
-from mtex_usd.usd.override import check_maker, write_override
+from mtex_usd.usd.edited import ContactJob, find_contacted, find_played, read_contact_jobs
+from mtex_usd.usd.override import CharacterResult, check_maker, write_override
 from mtex_usd.usd.source_stage import open_source
 from mtex_usd.usd.thin_root import thin_root_path
+from mtex_usd.usd.variant_samples import build_variant
 
 __all__ = ["constrain", "find_contacts"]
 
 _VARIANT = "constrained"
+_MAKER = "usdmtex-edit constrain"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Done:
-    job: EditJob
+    job: ContactJob
     holds: tuple[Hold, ...]
     held: Held
 
@@ -46,7 +48,7 @@ def constrain(
     stage_path
         The shot, or the thin root of an earlier run. It and all it is made of stay as they are.
     out
-        The override layer; by default ``<shot>.edit.usd`` beside the shot.
+        The override layer; by default ``<shot>.constrain.usd`` beside the shot.
     anim
         Prim path or paths of the animations; by default all with MtexContactAPI.
     contacts
@@ -76,29 +78,37 @@ def constrain(
         raise InputError("cannot constrain so", expected='contacts "declared" or "detect"', found=repr(contacts))
     source = open_source(as_file_path(stage_path, "stage"))
     target = (
-        source.source_path.with_name(f"{source.source_path.stem}.edit.usd") if out is None else as_file_path(out, "out")
+        source.source_path.with_name(f"{source.source_path.stem}.constrain.usd")
+        if out is None
+        else as_file_path(out, "out")
     )
     check_target(target, "override")
     check_target(thin_root_path(target), "stage")
-    check_maker(target, _VARIANT)
+    check_maker(target, _MAKER)
     animations = find_contacted(source.stage, only=as_prim_paths(anim, "anim"))
-    done = [_hold(job, contacts) for job in read_edit_jobs(source.stage, animations, contacts, previous=target)]
-    built = [build_edit(each.job, each.held.clip, _VARIANT, _describe_holds(each)) for each in done]
+    done = [_hold(job, contacts) for job in read_contact_jobs(source.stage, animations, contacts, previous=target)]
+    built = [_build(each) for each in done]
     if not dry_run:
-        _, root = write_override(source.stage, built, target, select=select)
+        _, root = write_override(source.stage, built, target, maker=_MAKER, select=select)
         check_override(root, built)
     return tuple(_describe(each, target) for each in done)
 
 
-def _hold(job: EditJob, contacts: str) -> _Done:
-    found = _detect(job.clip) if contacts == "detect" else ()
+def _hold(job: ContactJob, contacts: str) -> _Done:
+    found = _detect(job.played.clip) if contacts == "detect" else ()
     said = {hold.joint for hold in job.holds}
     holds = (*job.holds, *(hold for hold in found if hold.joint not in said))
     path = job.character.animation
     if not holds:
         raise InputError(f"{path}: no contact was found", expected="feet that stand on the floor for a moment")
-    held = hold_motion(job.clip, holds, frequency=job.frequency, limits=job.limits)
+    held = hold_motion(job.played.clip, holds, frequency=job.frequency, limits=job.limits)
     return _Done(job=job, holds=holds, held=held)
+
+
+def _build(done: _Done) -> CharacterResult:
+    played = done.job.played
+    variant = build_variant(played.samples, played.clip, done.held.clip, _describe_holds(done))
+    return CharacterResult(character=done.job.character, names=(_VARIANT,), variants=(variant,))
 
 
 def _detect(clip: Clip) -> tuple[Hold, ...]:
@@ -107,7 +117,7 @@ def _detect(clip: Clip) -> tuple[Hold, ...]:
 
 def _describe_holds(done: _Done) -> dict[str, object]:
     """The variant's ``customData["mtex"]``."""
-    return {"edit": _VARIANT, "contacts": describe_holds(done.holds, done.job.clip)}
+    return {"edit": _VARIANT, "contacts": describe_holds(done.holds, done.job.played.clip)}
 
 
 def _describe(done: _Done, target: Path) -> EditResult:
@@ -153,9 +163,12 @@ def find_contacts(stage_path: FilePath, *, out: FilePath, anim: PrimPath | Seque
     source = open_source(as_file_path(stage_path, "stage"))
     target = as_file_path(out, "out")
     check_target(target, "contacts")
-    animations = find_contacted(source.stage, only=as_prim_paths(anim, "anim"), all_played=True)
-    jobs = read_edit_jobs(source.stage, animations, "detect", previous=target)
-    found = {job.character.animation: (job.clip, plan_contacts(detect_contacts(job.clip), job.clip)) for job in jobs}
+    animations = find_played(source.stage, only=as_prim_paths(anim, "anim"))
+    jobs = read_contact_jobs(source.stage, animations, "detect", previous=target)
+    found = {
+        job.character.animation: (job.played.clip, plan_contacts(detect_contacts(job.played.clip), job.played.clip))
+        for job in jobs
+    }
     found = {path: both for path, both in found.items() if both[1]}
     if not found:
         raise InputError("no contact was found", expected="feet that stand on the floor for a moment")

@@ -1,24 +1,27 @@
-"""One sketch from its recipe to finished motion: contacts planned, textured and synthesized, contacts held."""
+"""One sketch from its recipe to finished motion: contacts planned, textured and synthesized, edited, contacts held."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from mtex_usd import edit
 from mtex_usd.constraints.contacts import detect_contacts, find_effectors
 from mtex_usd.constraints.planting import Hold, find_limb, held_back, hold_motion, plan_contacts, restore_feet
+from mtex_usd.errors import InputError
 from mtex_usd.motion.channels import resolve_channels
 from mtex_usd.motion.clip import Clip
 from mtex_usd.texture.engine import texture_motion
 from mtex_usd.texture.recipe import Recipe
-from mtex_usd.texture.result import Variant
+from mtex_usd.texture.result import TexturedMotion, Variant
 from mtex_usd.usd.finished import Finished
 from mtex_usd.usd.shot import Job
+from mtex_usd.usd.variant_samples import Keys
 
 __all__ = ["finish_job"]
 
 
-def finish_job(job: Job, recipe: Recipe) -> Finished:
+def finish_job(job: Job, recipe: Recipe, *, texturing: Callable[..., TexturedMotion] = texture_motion) -> Finished:
     """Texture and synthesize one sketch, and hold its contacts where the recipe says so.
 
     Parameters
@@ -27,20 +30,24 @@ def finish_job(job: Job, recipe: Recipe) -> Finished:
         As :func:`mtex_usd.usd.shot.read_jobs` gives it.
     recipe
         The job's, or one with options in place of properties.
+    texturing
+        Takes the arguments of :func:`mtex_usd.texture.engine.texture_motion` and does its work.
 
     Raises
     ------
     InputError
-        As :func:`mtex_usd.texture.engine.texture_motion`.
+        As what does the texturing.
     NoSolutionError
         Where contacts cannot be held together; names them.
     """
     holds = _plan(job, recipe)
     ramp_frames = round(recipe.join_time * job.sketch.rate)
     held = held_back(holds, job.sketch.skeleton, frame_count=job.sketch.frame_count, ramp_frames=ramp_frames)
-    motion = texture_motion(job.sketch, [take.clip for take in job.takes], recipe, held=held)
+    textured = texturing(job.sketch, [take.clip for take in job.takes], recipe, held=held)
+    motion, keys = _edit(job, recipe, textured)
     if recipe.contacts == "off":
-        return Finished(job=job, motion=motion, holds=((),) * len(motion.variants), held_joints=())
+        none = ((),) * len(motion.variants)
+        return Finished(job=job, recipe=recipe, motion=motion, holds=none, keys=keys, held_joints=())
     changed: set[int] = set()
     variants, kept = [], []
     for variant in motion.variants:
@@ -50,10 +57,36 @@ def finish_job(job: Job, recipe: Recipe) -> Finished:
         kept.append(everything)
     return Finished(
         job=job,
+        recipe=recipe,
+        keys=keys,
         motion=replace(motion, variants=tuple(variants)),
         holds=tuple(kept),
         held_joints=tuple(sorted(changed)),
     )
+
+
+def _edit(job: Job, recipe: Recipe, motion: TexturedMotion) -> tuple[TexturedMotion, tuple[Keys | None, ...]]:
+    """Make the edits of every variant that come after texturing; contacts are held after them."""
+    if not job.after:
+        return motion, (None,) * len(motion.variants)
+    done = [edit.run_stack(each.clip, job.after, find_contacts=job.find_contacts) for each in motion.variants]
+    if recipe.contacts != "off":
+        for outcome in done:
+            _check_holdable(job, outcome)
+    variants = tuple(replace(each, clip=edited.clip) for each, edited in zip(motion.variants, done, strict=True))
+    notes = dict.fromkeys(note for outcome in done for note in outcome.notes)
+    return replace(motion, variants=variants, notes=(*motion.notes, *notes)), tuple(each.keys for each in done)
+
+
+def _check_holdable(job: Job, outcome: edit.Outcome) -> None:
+    """Refuse edits after which the sketch's contacts are no longer where and when the sketch has them."""
+    if outcome.keys is not None or not np.array_equal(outcome.clip.time_codes, job.sketch.time_codes):
+        raise InputError(
+            f"{job.sketch.name}: contacts cannot be held after mtex:edits:after",
+            expected="edits that keep the frames of the sketch and reduce no keys",
+            found=", ".join(f"{each.name} ({each.op})" for each in job.after),
+            fix="Set mtex:contacts to off, or take those edits out.",
+        )
 
 
 def _plan(job: Job, recipe: Recipe) -> tuple[Hold, ...]:

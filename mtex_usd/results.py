@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +11,9 @@ import numpy.typing as npt
 from mtex_usd.constraints.retargeting import FittedTake, JointMap
 from mtex_usd.motion.clip import Clip
 from mtex_usd.texture.result import TexturedMotion, Variant
+
+if TYPE_CHECKING:
+    from mtex_usd.edit import ReducedKeys, ReducedPoses
 
 __all__ = ["EditResult", "Fragment", "PathVariant", "Result", "Retarget", "list_retargets"]
 
@@ -244,6 +247,10 @@ class EditResult:
         How far each constraint is from met, metres or radians, by name.
     layer, stage
         The files written; with ``dry_run`` those that would be.
+    notes
+        What a user should know.
+    keys
+        The result by few keys, where the last edit reduced them.
     """
 
     anim: str
@@ -255,3 +262,5 @@ class EditResult:
     residuals: Mapping[str, float]
     layer: Path
     stage: Path
+    notes: tuple[str, ...] = ()
+    keys: "ReducedKeys | ReducedPoses | None" = None

@@ -4,12 +4,20 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mtex_usd.cli._run import hold_interrupts, run_command
+
+if TYPE_CHECKING:
+    from mtex_usd.results import EditResult
 
 __all__ = ["main"]
 
 _NAME = "usdmtex-edit"
+_EXIT_CODES = (
+    "Exit codes: 0 done; 2 bad usage or input; 3 the stage: no such animation, nothing to do, blocked by a stronger "
+    "opinion; 4 contacts that cannot be held together; 5 the written result did not validate; 70 a bug."
+)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -26,20 +34,29 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code: 0 done, 2 usage or input, 3 the stage, 4 no solution, 5 the written result did not validate, 70 a
         bug.
     """
-    arguments = _build_parser().parse_args(argv)
-    return run_command(_NAME, lambda: int(arguments.run(arguments)))
+    given = sys.argv[1:] if argv is None else list(argv)
+    build, run = _COMMANDS.get(given[0], (_build_parser, _apply_edits)) if given else (_build_parser, _apply_edits)
+    arguments = build().parse_args(given[1:] if build is not _build_parser else given)
+    return run_command(_NAME, lambda: run(arguments))
 
 
 def _build_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=_NAME,
-        description="Edit animations of a shot without changing what exists.",
-        epilog="Exit codes: 0 done; 2 bad usage or input; 3 the stage: no such animation, blocked by a stronger "
-        "opinion; 4 contacts that cannot be held together; 5 the written result did not validate; 70 a bug.",
+        usage="%(prog)s [-h] STAGE [-o LAYER] [--anim PRIM]... [--select VARIANT] [--dry-run] [-q]\n"
+        "       %(prog)s constrain|contacts ...",
+        description="Run the edits that animations of a shot declare (MtexEditStackAPI) and write an override layer "
+        "with one variant per stack. Nothing that exists is changed. Two commands do other work: "
+        "`constrain` makes animations keep their contacts, `contacts` finds contacts and writes them for editing; "
+        "see `%(prog)s constrain --help`.",
+        epilog=_EXIT_CODES,
     )
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    _add_constrain(commands)
-    _add_contacts(commands)
+    _add_stage(parser)
+    _add_output(parser, "STAGE's name with .edit.usd")
+    parser.add_argument(
+        "--select", metavar="VARIANT", help="variant to select: a stack's name, edited or original (default: as before)"
+    )
+    parser.add_argument("--dry-run", action="store_true", help="do everything but write")
     return parser
 
 
@@ -51,41 +68,70 @@ def _add_stage(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
 
 
-def _add_constrain(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser(
-        "constrain",
-        help="make animations keep their contacts",
+def _add_output(parser: argparse.ArgumentParser, default: str) -> None:
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="LAYER", help=f"override layer to write (default: {default})"
+    )
+
+
+def _build_constrain_parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=f"{_NAME} constrain",
         description="Make animations keep the contacts that MtexContactAPI declares on them, exactly and with the "
         "least change, as a variant beside the original.",
+        epilog=_EXIT_CODES,
     )
     _add_stage(parser)
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="LAYER",
-        help="override layer to write (default: STAGE's name with .edit.usd)",
-    )
+    _add_output(parser, "STAGE's name with .constrain.usd")
     parser.add_argument("--detect", action="store_true", help="hold the feet that are found on the floor as well")
     parser.add_argument("--select", metavar="VARIANT", help="variant to select: constrained or original")
     parser.add_argument("--dry-run", action="store_true", help="do everything but write")
-    parser.set_defaults(run=_constrain)
+    return parser
 
 
-def _add_contacts(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    parser = commands.add_parser(
-        "contacts",
-        help="find contacts and write them for editing",
+def _build_contacts_parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog=f"{_NAME} contacts",
         description="Find when the feet of animations stand on the floor, and write it as MtexContactAPI into a layer "
         "to be put among the shot's sublayers and edited.",
+        epilog=_EXIT_CODES,
     )
     _add_stage(parser)
     parser.add_argument("-o", "--output", type=Path, metavar="LAYER", required=True, help="layer to write")
-    parser.set_defaults(run=_find_contacts)
+    return parser
+
+
+def _apply_edits(arguments: argparse.Namespace) -> int:
+    # Imported here: USD, numpy and scipy take far longer to load than --help or a usage error should.
+    with hold_interrupts():
+        from mtex_usd.api import apply_edits  # noqa: PLC0415
+
+    results = apply_edits(
+        arguments.stage,
+        out=arguments.output,
+        anim=arguments.anim,
+        select=arguments.select,
+        dry_run=arguments.dry_run,
+    )
+    if arguments.quiet:
+        return 0
+    for result in results:
+        for note in result.notes:
+            print(f"{_NAME}: note: {result.anim}: {result.variant}: {note}", file=sys.stderr)
+        times = result.clip.time_codes
+        span = f"{times[0]:g} to {times[-1]:g}"
+        print(f"{result.anim}\t{result.model}\t{{{result.variantSet}}}\t{result.variant}\t{span}")
+    _report_files(results, arguments)
+    return 0
+
+
+def _report_files(results: "Sequence[EditResult]", arguments: argparse.Namespace) -> None:
+    if not arguments.dry_run:
+        print(f"wrote {results[0].layer}")
+        print(f"open {results[0].stage}")
 
 
 def _constrain(arguments: argparse.Namespace) -> int:
-    # Imported here: USD, numpy and scipy take far longer to load than --help or a usage error should.
     with hold_interrupts():
         from mtex_usd.api import constrain  # noqa: PLC0415
 
@@ -103,9 +149,7 @@ def _constrain(arguments: argparse.Namespace) -> int:
         print(f"{result.anim}\t{result.model}\t{{{result.variantSet}}}\t{result.variant}")
         worst = max(result.residuals.values(), default=0.0)
         print(f"  {len(result.residuals)} constraints, met within {worst:.2g}")
-    if not arguments.dry_run:
-        print(f"wrote {results[0].layer}")
-        print(f"open {results[0].stage}")
+    _report_files(results, arguments)
     return 0
 
 
@@ -119,3 +163,9 @@ def _find_contacts(arguments: argparse.Namespace) -> int:
             print(path)
         print(f"wrote {arguments.output}", file=sys.stdout)
     return 0
+
+
+_COMMANDS = {
+    "constrain": (_build_constrain_parser, _constrain),
+    "contacts": (_build_contacts_parser, _find_contacts),
+}

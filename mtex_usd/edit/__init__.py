@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from mtex_usd.edit.mirroring import mirror
     from mtex_usd.edit.robust import median, robust_mean
     from mtex_usd.edit.shaping import make_soft_limits, waveshape
+    from mtex_usd.edit.stack.edit import Edit, Outcome
+    from mtex_usd.edit.stack.run import run_stack
     from mtex_usd.edit.timing import scale_time, shift_time
     from mtex_usd.edit.transitions import Transition, find_transition
     from mtex_usd.edit.warping import TimeWarp, warp_time
@@ -24,8 +26,10 @@ __all__ = [
     "Alignment",
     "BlendResult",
     "Displacement",
+    "Edit",
     "JoinResult",
     "KeyCurve",
+    "Outcome",
     "PoseChange",
     "ReducedKeys",
     "ReducedPoses",
@@ -46,6 +50,7 @@ __all__ = [
     "reduce_keys",
     "reduce_poses",
     "robust_mean",
+    "run_stack",
     "scale_time",
     "shift_time",
     "warp_time",
@@ -63,6 +68,8 @@ _HOMES = {
     **dict.fromkeys(("median", "robust_mean"), "robust"),
     **dict.fromkeys(("make_soft_limits", "waveshape"), "shaping"),
     "mirror": "mirroring",
+    **dict.fromkeys(("Edit", "Outcome"), "stack.edit"),
+    "run_stack": "stack.run",
     **dict.fromkeys(("Transition", "find_transition"), "transitions"),
     **dict.fromkeys(("TimeWarp", "warp_time"), "warping"),
     **dict.fromkeys(("scale_time", "shift_time"), "timing"),

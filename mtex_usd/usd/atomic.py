@@ -17,10 +17,10 @@ from pxr import Sdf, Tf, UsdUtils
 from mtex_usd.errors import InputError
 from mtex_usd.usd.diagnostics import describe_damage, describe_error, find_obstacle
 
-__all__ = ["LayerKind", "check_target", "file_kind", "is_ours", "layer_kind", "mark_layer", "write_layer"]
+__all__ = ["LayerKind", "check_target", "file_kind", "file_maker", "is_ours", "layer_kind", "mark_layer", "write_layer"]
 
-LayerKind = Literal["takes", "clip", "override", "stage", "contacts"]
-"""What a layer of ours is: a take library, what ``write_clip`` writes, an override layer, a thin root, contacts."""
+LayerKind = Literal["takes", "clip", "override", "stage", "contacts", "accepted", "recipe"]
+"""What a layer of ours is: takes, what ``write_clip`` writes, overrides, a root, contacts, accepted paths, a recipe."""
 
 _KINDS = {
     "takes": "a take library",
@@ -28,6 +28,8 @@ _KINDS = {
     "override": "an override layer",
     "stage": "a thin root",
     "contacts": "a layer of contacts",
+    "accepted": "a layer of accepted paths",
+    "recipe": "a layer of suggested recipes",
 }
 
 _GENERATOR = "usdmtex"
@@ -35,7 +37,7 @@ _OTHER_NAME = "Choose another name for the output."
 _FORMATS = {".usd": "usdc", ".usdc": "usdc", ".usda": "usda"}
 
 
-def mark_layer(layer: Sdf.Layer, kind: LayerKind) -> None:
+def mark_layer(layer: Sdf.Layer, kind: LayerKind, *, maker: str = "") -> None:
     """Record in the layer's own metadata that this project wrote it, and what it is.
 
     Parameters
@@ -44,8 +46,11 @@ def mark_layer(layer: Sdf.Layer, kind: LayerKind) -> None:
         Changed in place; other custom layer data stays.
     kind
         What it is.
+    maker
+        Which command made it, where several make layers of the same kind.
     """
-    layer.customLayerData = {**layer.customLayerData, "mtex": {"generator": _GENERATOR, "kind": kind}}
+    mark = {"generator": _GENERATOR, "kind": kind, **({"maker": maker} if maker else {})}
+    layer.customLayerData = {**layer.customLayerData, "mtex": mark}
 
 
 def layer_kind(layer: Sdf.Layer) -> str:
@@ -68,6 +73,20 @@ def file_kind(file_path: Path) -> str:
         return layer_kind(layer) if (layer := _read_metadata(file_path)) else ""
     except Tf.ErrorException:
         return ""
+
+
+def file_maker(file_path: Path) -> str:
+    """Tell which command made a file of ours; empty where there is none or it does not say.
+
+    Parameters
+    ----------
+    file_path
+        Only the metadata is read.
+    """
+    if not file_kind(file_path):
+        return ""
+    layer = _read_metadata(file_path)
+    return str(layer.customLayerData["mtex"].get("maker", "")) if layer else ""
 
 
 def is_ours(file_path: Path) -> bool:

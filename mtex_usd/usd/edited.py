@@ -1,41 +1,45 @@
-"""Animations to be edited: found on a stage, read for the work, and what their edited variant will say."""
+"""Animations to be edited: found on a stage, read for the work, and what their edited variants will say."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 from pxr import Sdf, Usd
 
 from mtex_usd.constraints.planting import Hold, JointRange
+from mtex_usd.edit.stack.edit import Edit
 from mtex_usd.errors import StageError
-from mtex_usd.motion.clip import Clip
-from mtex_usd.usd.animation import AnimationSamples, sample_sketch
 from mtex_usd.usd.characters import Character, find_characters
 from mtex_usd.usd.clip_io import ClipReader
 from mtex_usd.usd.contacts import declared_frequency, read_holds
+from mtex_usd.usd.edit_stacks import EditReader
 from mtex_usd.usd.limits import read_limits
-from mtex_usd.usd.override import CharacterResult, VariantSamples
+from mtex_usd.usd.played import Played, read_played
 from mtex_usd.usd.recipe_targets import is_own_output
-from mtex_usd.usd.sampled_clip import add_joints, fill_missing, to_clip
-from mtex_usd.usd.schema import CONTACT_API, api_instances
+from mtex_usd.usd.schema import CONTACT_API, EDIT_STACK_API, api_instances, read_stacks
 from mtex_usd.usd.skeletons import find_bindings
 
-__all__ = ["EditJob", "build_edit", "find_contacted", "read_edit_jobs"]
+__all__ = [
+    "ContactJob",
+    "StackJob",
+    "find_contacted",
+    "find_edited",
+    "find_played",
+    "read_contact_jobs",
+    "read_stack_jobs",
+]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class EditJob:
-    """One animation on one character, read for editing.
+class ContactJob:
+    """One animation on one character, whose contacts are to be held.
 
     Parameters
     ----------
     character
         Who plays it.
-    samples
-        The animation as USD gives it, bit for bit, missing attributes filled from rest.
-    clip
-        The animation on all joints of the character.
+    played
+        The animation.
     holds
         Contacts declared on it.
     frequency
@@ -45,63 +49,96 @@ class EditJob:
     """
 
     character: Character
-    samples: AnimationSamples
-    clip: Clip
+    played: Played
     holds: tuple[Hold, ...]
     frequency: float
     limits: tuple[JointRange, ...]
 
 
-def find_contacted(stage: Usd.Stage, *, only: Sequence[str] = (), all_played: bool = False) -> tuple[Sdf.Path, ...]:
-    """Find the animations that are to be constrained.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StackJob:
+    """One animation on one character, with the stacks of edits that are declared on it.
+
+    Parameters
+    ----------
+    character
+        Who plays it.
+    played
+        The animation.
+    stacks
+        Edits in order, by the name of the variant they make.
+    """
+
+    character: Character
+    played: Played
+    stacks: Mapping[str, tuple[Edit, ...]]
+
+
+def find_contacted(stage: Usd.Stage, *, only: Sequence[str] = ()) -> tuple[Sdf.Path, ...]:
+    """Find the animations that declare contacts.
 
     Parameters
     ----------
     stage
         The shot.
     only
-        Prim paths of the animations wanted; empty for all.
-    all_played
-        Whether all means every animation that a Skeleton plays, and not those with contacts declared.
+        Prim paths of the animations wanted, which need declare none; empty for all.
 
     Raises
     ------
     StageError
         Where there is none, or a path of `only` is no SkelAnimation.
     """
+    fix = "Declare contacts, or name an animation with --anim and detect its contacts."
+    return _find(stage, only, lambda prim: bool(api_instances(prim, CONTACT_API)), f"{CONTACT_API}:<name>", fix)
+
+
+def find_played(stage: Usd.Stage, *, only: Sequence[str] = ()) -> tuple[Sdf.Path, ...]:
+    """Find the animations that Skeletons play; as :func:`find_contacted`."""
+    played = find_bindings(stage)
+    return _find(stage, only, lambda prim: prim.GetPath() in played, "a Skeleton that plays it", "")
+
+
+def find_edited(stage: Usd.Stage, *, only: Sequence[str] = ()) -> tuple[Sdf.Path, ...]:
+    """Find the animations with stacks of edits that make variants; as :func:`find_contacted`.
+
+    Raises
+    ------
+    InputError
+        For a stack that is not right.
+    StageError
+        Where there is none, and where one of `only` has none.
+    """
+    fix = f"Apply {EDIT_STACK_API} and list edits in mtex:edits."
+    found = _find(stage, only, lambda prim: bool(read_stacks(prim).variants), EDIT_STACK_API, fix)
+    for path in found:
+        if not read_stacks(stage.GetPrimAtPath(path)).variants:
+            raise StageError(f"{path} has no stack of edits", expected=EDIT_STACK_API, fix=fix)
+    return found
+
+
+def _find(
+    stage: Usd.Stage, only: Sequence[str], is_wanted: Callable[[Usd.Prim], bool], expected: str, fix: str
+) -> tuple[Sdf.Path, ...]:
     for path in only:
-        prim = stage.GetPrimAtPath(path)
+        prim = stage.GetPrimAtPath(path) if Sdf.Path.IsValidPathString(path) else None
         if not prim or not prim.IsA("SkelAnimation"):
             raise StageError(f"there is no animation {path}", expected="the path of a SkelAnimation")
     if only:
-        return tuple(map(Sdf.Path, only))
-    played = find_bindings(stage)
-    animations = [
-        prim.GetPath()
-        for prim in stage.Traverse(Usd.TraverseInstanceProxies())
-        if prim.IsA("SkelAnimation") and not is_own_output(prim)
-    ]
-    wanted = [
-        path for path in animations if (path in played if all_played else _has_contacts(stage.GetPrimAtPath(path)))
-    ]
+        return tuple(dict.fromkeys(map(Sdf.Path, only)))
+    prims = stage.Traverse(Usd.TraverseInstanceProxies())
+    animations = [prim for prim in prims if prim.IsA("SkelAnimation") and not is_own_output(prim)]
+    wanted = tuple(prim.GetPath() for prim in animations if is_wanted(prim))
     if not wanted:
-        raise StageError(
-            "no animation to constrain",
-            expected="an animation that a Skeleton plays" if all_played else f"{CONTACT_API}:<name> on an animation",
-            found=", ".join(map(str, animations)) or "no animations",
-            fix="" if all_played else "Declare contacts, or name an animation with --anim and detect its contacts.",
-        )
-    return tuple(wanted)
+        found = ", ".join(str(prim.GetPath()) for prim in animations) or "no animations"
+        raise StageError("no animation to edit", expected=f"an animation with {expected}", found=found, fix=fix)
+    return wanted
 
 
-def _has_contacts(prim: Usd.Prim) -> bool:
-    return bool(api_instances(prim, CONTACT_API))
-
-
-def read_edit_jobs(
+def read_contact_jobs(
     stage: Usd.Stage, animations: Sequence[Sdf.Path], contacts: str, *, previous: Path
-) -> tuple[EditJob, ...]:
-    """Read animations on the characters that play them.
+) -> tuple[ContactJob, ...]:
+    """Read animations on the characters that play them, with their contacts.
 
     Parameters
     ----------
@@ -122,59 +159,44 @@ def read_edit_jobs(
     reader = ClipReader(stage)
     jobs = []
     for character in find_characters(stage, list(animations), previous=previous):
-        prim, skeleton_prim = (stage.GetPrimAtPath(path) for path in (character.animation, character.skeletons[0]))
-        skeleton = reader.read_skeleton(skeleton_prim)
-        samples = fill_missing(sample_sketch(stage, prim), skeleton)
-        if len(samples.time_codes) < 2:
-            raise StageError(f"{prim.GetPath()} is a single pose", expected="an animation of at least two frames")
-        clip = to_clip(samples, skeleton)
-        holds = read_holds(prim, skeleton_prim, clip, contacts)
+        played = read_played(stage, reader, character)
         jobs.append(
-            EditJob(
+            ContactJob(
                 character=character,
-                samples=samples,
-                clip=clip,
-                holds=holds,
-                frequency=declared_frequency(prim),
-                limits=read_limits(skeleton_prim, skeleton),
+                played=played,
+                holds=read_holds(played.prim, played.skeleton_prim, played.clip, contacts),
+                frequency=declared_frequency(played.prim),
+                limits=read_limits(played.skeleton_prim, played.clip.skeleton),
             )
         )
     return tuple(jobs)
 
 
-def build_edit(job: EditJob, clip: Clip, name: str, custom_data: Mapping[str, object]) -> CharacterResult:
-    """Give what the edited variant will say: the animation's own arrays, bit for bit where nothing changed.
+def read_stack_jobs(stage: Usd.Stage, animations: Sequence[Sdf.Path], *, previous: Path) -> tuple[StackJob, ...]:
+    """Read animations on the characters that play them, with their stacks of edits.
 
     Parameters
     ----------
-    job
-        What was read.
-    clip
-        What was made of its clip, with the same frames.
-    name
-        Of the variant.
-    custom_data
-        Its ``customData["mtex"]``.
+    stage
+        The shot.
+    animations
+        Paths of SkelAnimations.
+    previous
+        Where the override layer of an earlier run would be.
+
+    Raises
+    ------
+    InputError, StageError
+        Whatever is wrong with an animation, its Skeleton or its edits, naming the prim.
     """
-    samples = job.samples
-    changed = [
-        j
-        for j in range(len(clip.joints))
-        if (clip.rotations[:, j] != job.clip.rotations[:, j]).any()
-        or (clip.translations[:, j] != job.clip.translations[:, j]).any()
-    ]
-    added = tuple(clip.joints[j] for j in changed if clip.joints[j] not in samples.joints)
-    samples = add_joints(samples, added, clip.skeleton)
-    rotations, translations = np.array(samples.rotations), np.array(samples.translations)
-    for j in changed:
-        column = samples.joints.index(clip.joints[j])
-        rotations[:, column], translations[:, column] = clip.rotations[:, j], clip.translations[:, j]
-    variant = VariantSamples(
-        joints=samples.joints,
-        time_codes=samples.time_codes,
-        rotations=rotations,
-        translations=translations,
-        scales=samples.scales,
-        custom_data=custom_data,
-    )
-    return CharacterResult(character=job.character, names=(name,), variants=(variant,))
+    clips = ClipReader(stage)
+    edits = EditReader(stage, clips)
+    jobs = []
+    for character in find_characters(stage, list(animations), previous=previous):
+        played = read_played(stage, clips, character)
+        stacks = {
+            variant: edits.read(played.prim, names, like=played.clip)
+            for variant, names in read_stacks(played.prim).variants.items()
+        }
+        jobs.append(StackJob(character=character, played=played, stacks=stacks))
+    return tuple(jobs)

@@ -7,11 +7,13 @@ import numpy as np
 
 from mtex_usd.constraints.planting import Hold, describe_holds
 from mtex_usd.motion.clip import Clip
+from mtex_usd.texture.recipe import Recipe
 from mtex_usd.texture.result import TexturedMotion, Variant
 from mtex_usd.usd.animation import AnimationSamples
 from mtex_usd.usd.override import CharacterResult, VariantSamples, variant_names
 from mtex_usd.usd.sampled_clip import add_joints
 from mtex_usd.usd.shot import Job
+from mtex_usd.usd.variant_samples import Keys, build_variant
 
 __all__ = ["Finished", "build_result", "describe_variants"]
 
@@ -24,22 +26,28 @@ class Finished:
     ----------
     job
         What was read.
+    recipe
+        What was done: the job's, or one with options in place of properties.
     motion
-        What was made; its clips keep the contacts.
+        What was made; its clips are edited and keep the contacts.
     holds
         What is held, per variant.
+    keys
+        The variants by few keys, where the last edit reduced them.
     held_joints
         Indices of joints that were changed to hold it, beside the recipe's channels.
     """
 
     job: Job
+    recipe: Recipe
     motion: TexturedMotion
     holds: tuple[tuple[Hold, ...], ...]
+    keys: tuple[Keys | None, ...]
     held_joints: tuple[int, ...]
 
 
 def build_result(finished: Finished) -> CharacterResult:
-    """Give what each variant will say: the sketch's own arrays, bit for bit where nothing was copied or held.
+    """Give what each variant will say: the sketch's own arrays, bit for bit where nothing was copied, edited or held.
 
     Parameters
     ----------
@@ -47,6 +55,11 @@ def build_result(finished: Finished) -> CharacterResult:
         What was made.
     """
     job, motion = finished.job, finished.motion
+    names = variant_names(len(motion.variants))
+    if job.after:
+        parts = zip(motion.variants, describe_variants(finished), finished.keys, strict=True)
+        edited = tuple(build_variant(job.samples, job.sketch, each.clip, data, keys=keys) for each, data, keys in parts)
+        return CharacterResult(character=job.character, names=names, variants=edited)
     held = dict.fromkeys(job.sketch.joints[joint] for joint in finished.held_joints)
     rotations, translations = {**_touched(motion, "r"), **held}, {**_touched(motion, "t"), **held}
     added = tuple(
@@ -59,7 +72,7 @@ def build_result(finished: Finished) -> CharacterResult:
         _build_samples(base, variant.clip, rotations, translations, custom_data)
         for variant, custom_data in zip(motion.variants, describe_variants(finished), strict=True)
     )
-    return CharacterResult(character=job.character, names=variant_names(len(variants)), variants=variants)
+    return CharacterResult(character=job.character, names=names, variants=variants)
 
 
 def _touched(motion: TexturedMotion, kind: str) -> dict[str, None]:

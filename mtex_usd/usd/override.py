@@ -8,18 +8,23 @@ authored twice: locally, for all that can be edited, and in the path variants, f
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 from pxr import Sdf, Usd, Vt
 
 from mtex_usd.errors import InputError
-from mtex_usd.usd.atomic import check_target, file_kind, mark_layer, write_layer
+from mtex_usd.usd.atomic import check_target, file_maker, mark_layer, write_layer
 from mtex_usd.usd.characters import Character
+from mtex_usd.usd.control_curves import author_curves
 from mtex_usd.usd.custom_data import to_metadata
 from mtex_usd.usd.diagnostics import open_layer
 from mtex_usd.usd.selection import Selections, read_selections
 from mtex_usd.usd.thin_root import ROOT_METADATA, author_metadata, build_thin_root, read_root_metadata, thin_root_path
+
+if TYPE_CHECKING:
+    from mtex_usd.edit import KeyCurve
 
 __all__ = ["ORIGINAL", "CharacterResult", "VariantSamples", "check_maker", "variant_names", "write_override"]
 
@@ -48,6 +53,8 @@ class VariantSamples:
         Shape [F, J, 3]; stored as half.
     custom_data
         Goes to ``customData["mtex"]``: strings, numbers, lists of those, and lists of mappings.
+    curves
+        The motion as curves, to stand beside the samples as splines.
     """
 
     joints: tuple[str, ...]
@@ -56,6 +63,7 @@ class VariantSamples:
     translations: Float32Array
     scales: npt.NDArray[np.floating]
     custom_data: Mapping[str, object]
+    curves: tuple["KeyCurve", ...] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -83,39 +91,29 @@ def variant_names(count: int) -> tuple[str, ...]:
     return tuple(f"path_{i:0{width}d}" for i in range(1, count + 1))
 
 
-def check_maker(out: Path, variant: str) -> None:
+def check_maker(out: Path, maker: str) -> None:
     """Refuse to replace an override layer that another command made.
 
     Parameters
     ----------
     out
         Where an override layer is going to be written.
-    variant
-        What the names of this command's variants begin with.
+    maker
+        This command.
 
     Raises
     ------
     InputError
-        Where a layer of ours is there, and its sets have no such variant.
+        Where a layer of ours is there that says otherwise.
     """
-    if file_kind(out) != "override":
-        return
-    sets: list[Sdf.VariantSetSpec] = []
-    layer = open_layer(out)
-    layer.Traverse(Sdf.Path.absoluteRootPath, lambda path: sets.extend(_sets_at(layer, Sdf.Path(path))))
-    names = sorted({name for found in sets for name, _ in found.variants.items()} - {ORIGINAL})
-    if names and not any(name.startswith(variant) for name in names):
+    found = file_maker(out)
+    if found and found != maker:
         raise InputError(
             f"{out} holds what another command made",
-            expected=f"variants such as {variant}",
-            found=", ".join(names),
+            expected=f"a layer of {maker}, or no file",
+            found=f"one of {found}",
             fix="Choose another name for the output.",
         )
-
-
-def _sets_at(layer: Sdf.Layer, path: Sdf.Path) -> list[Sdf.VariantSetSpec]:
-    prim = layer.GetPrimAtPath(path) if path.IsPrimPath() else None
-    return [found for name, found in prim.variantSets.items() if name.startswith("mtex")] if prim else []
 
 
 def write_override(
@@ -123,6 +121,7 @@ def write_override(
     results: Sequence[CharacterResult],
     out: Path,
     *,
+    maker: str = "usdmtex",
     select: str | None = None,
     keep: Sequence[Character] = (),
 ) -> tuple[Path, Path]:
@@ -136,6 +135,8 @@ def write_override(
         At least one, each with at least one variant.
     out
         The override layer; ``X.usd`` gives the thin root ``X.stage.usda``. Files we wrote before are replaced.
+    maker
+        The command that makes it.
     select
         The variant to select in every set; by default the one the user had selected, where it still exists, else the
         best path. What was selected is read from the files at `out` and from our override layers muted on the stage.
@@ -157,8 +158,9 @@ def write_override(
     check_target(thin_path, "stage")
     selections = read_selections(stage, out, select)
     layer = _build_layer(stage, results, selections)
+    mark_layer(layer, "override", maker=maker)
     _take_over(layer, keep, out, selections)
-    time_codes = np.concatenate([result.variants[0].time_codes for result in results])
+    time_codes = np.concatenate([variant.time_codes for result in results for variant in result.variants])
     if keep:
         time_codes = np.append(time_codes, layer.ListAllTimeSamples())
     metadata = read_root_metadata(stage, time_codes, results[0].character.model)
@@ -172,7 +174,6 @@ def write_override(
 
 def _build_layer(stage: Usd.Stage, results: Sequence[CharacterResult], selections: Selections) -> Sdf.Layer:
     layer = Sdf.Layer.CreateAnonymous("override.usdc")
-    mark_layer(layer, "override")
     with Sdf.ChangeBlock():
         for result in results:
             selected = selections.choose(*_set_of(result))
@@ -199,7 +200,10 @@ def _author_character(layer: Sdf.Layer, stage: Usd.Stage, result: CharacterResul
         variant = Sdf.VariantSpec(variant_set, name).primSpec
         _author_bindings(layer, character, variant.path)
         _author_uninstanced(layer, stage, character, variant.path)
-        _author_samples(_author_output(variant, character, recipe), samples)
+        output = _author_output(variant, character, recipe)
+        _author_samples(output, samples)
+        if samples.curves:
+            author_curves(output, samples.curves)
 
 
 def _recipe_schemas(animation: Usd.Prim) -> list[str]:

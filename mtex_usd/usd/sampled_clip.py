@@ -12,7 +12,7 @@ from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import FloatArray, Skeleton
 from mtex_usd.usd.animation import AnimationSamples
 
-__all__ = ["add_joints", "fill_missing", "to_clip"]
+__all__ = ["add_joints", "fill_missing", "from_clip", "to_clip"]
 
 SingleArray = npt.NDArray[np.float32]
 
@@ -153,3 +153,43 @@ def add_joints(samples: AnimationSamples, added: tuple[str, ...], skeleton: Skel
     rest = fill_missing(alone, skeleton)
     arrays = {name: np.concatenate([getattr(samples, name), getattr(rest, name)], axis=1) for name in _ARRAYS}
     return replace(samples, joints=samples.joints + added, **arrays)  # type: ignore[arg-type]
+
+
+def from_clip(clip: Clip, like: AnimationSamples) -> AnimationSamples:
+    """Give a clip as samples, at the clip's own frames.
+
+    Parameters
+    ----------
+    clip
+        The clip.
+    like
+        An animation on the same skeleton: its joints come first and in its order, then those that the clip moves or
+        holds away from rest. Joints that the skeleton does not have keep their first sample; nothing plays them.
+    """
+    skeleton = clip.skeleton
+    away = [_is_away(clip, j) for j in range(len(clip.joints))]
+    added = tuple(joint for joint, moves in zip(clip.joints, away, strict=True) if moves and joint not in like.joints)
+    first = {name: getattr(like, name)[:1] for name in _ARRAYS}
+    base = add_joints(replace(like, time_codes=like.time_codes[:1], **first), added, skeleton)
+    index = {joint: j for j, joint in enumerate(clip.joints)}
+    known = [column for column, joint in enumerate(base.joints) if joint in index]
+    source = [index[base.joints[column]] for column in known]
+    arrays = {}
+    for name in _ARRAYS:
+        out = np.repeat(getattr(base, name), clip.frame_count, axis=0)
+        out[:, known] = getattr(clip, name)[:, source]
+        arrays[name] = out
+    return replace(
+        base,
+        rate=clip.rate,
+        time_codes_per_frame=clip.time_codes_per_frame,
+        time_codes=clip.time_codes,
+        sample_times=clip.time_codes,
+        **arrays,  # type: ignore[arg-type]
+    )
+
+
+def _is_away(clip: Clip, joint: int) -> bool:
+    rest = clip.skeleton
+    values = ((clip.rotations, rest.rest_rotations), (clip.translations, rest.rest_translations))
+    return any((array[:, joint] != at_rest[joint]).any() for array, at_rest in values)

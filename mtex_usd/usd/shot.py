@@ -1,26 +1,29 @@
 """From a shot to plain clips: what the method reads of a stage."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pxr import Sdf, Usd
 
+from mtex_usd import edit
 from mtex_usd.constraints.planting import Hold, JointRange
 from mtex_usd.constraints.retargeting import FittedTake
+from mtex_usd.edit.stack.edit import ContactFinder, Edit
 from mtex_usd.errors import StageError
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.timing import resample_clip
 from mtex_usd.texture.recipe import Recipe
-from mtex_usd.usd.animation import AnimationSamples, sample_sketch
+from mtex_usd.usd.animation import AnimationSamples
 from mtex_usd.usd.characters import Character, find_characters
 from mtex_usd.usd.clip_io import ClipReader
 from mtex_usd.usd.contacts import declared_frequency, read_holds
+from mtex_usd.usd.edit_stacks import EditReader, make_contact_finder
 from mtex_usd.usd.fit_takes import fit_takes
 from mtex_usd.usd.limits import read_limits
+from mtex_usd.usd.played import read_played
 from mtex_usd.usd.recipe_targets import find_sketches, find_takes
-from mtex_usd.usd.sampled_clip import fill_missing, to_clip
-from mtex_usd.usd.schema import read_recipe
+from mtex_usd.usd.schema import read_recipe, read_stacks
 from mtex_usd.usd.skeletons import find_bindings
 
 __all__ = ["Cast", "Job", "find_cast", "read_jobs"]
@@ -35,7 +38,7 @@ class Cast:
     left_out: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Job:
     """One sketch on one character, read and ready for the method.
 
@@ -51,6 +54,10 @@ class Job:
         The takes at the sketch's rate, on the character's joints where their own are others.
     recipe
         What the sketch carries.
+    after
+        Edits to be made of what comes out, in order.
+    find_contacts
+        Tells where contacts begin and end, for the edits.
     holds
         Contacts declared on the sketch; none where the recipe is to hold none.
     frequency
@@ -64,6 +71,8 @@ class Job:
     sketch: Clip
     takes: tuple[FittedTake, ...]
     recipe: Recipe
+    after: tuple[Edit, ...]
+    find_contacts: ContactFinder
     holds: tuple[Hold, ...]
     frequency: float
     limits: tuple[JointRange, ...]
@@ -128,23 +137,36 @@ def read_jobs(stage: Usd.Stage, characters: Sequence[Character]) -> Iterator[Job
     InputError, StageError
         Whatever is wrong with a recipe, a sketch, a take or a skeleton, naming its prim.
     """
-    reader = ClipReader(stage)
+    clips = ClipReader(stage)
+    edits = EditReader(stage, clips)
     takes: dict[tuple[Sdf.Path, float], Clip] = {}
     for character in characters:
-        prim = stage.GetPrimAtPath(character.animation)
-        skeleton_prim = stage.GetPrimAtPath(character.skeletons[0])
-        skeleton = reader.read_skeleton(skeleton_prim)
-        samples = fill_missing(sample_sketch(stage, prim), skeleton)
-        if len(samples.time_codes) < 2:
-            raise StageError(f"{prim.GetPath()} is a single pose", expected="a sketch of at least two frames")
+        played = read_played(stage, clips, character)
+        prim, sketch = played.prim, played.clip
         take_prims = find_takes(stage, prim)
         for take in take_prims:
-            if (take.GetPath(), samples.rate) not in takes:
-                takes[take.GetPath(), samples.rate] = resample_clip(reader.read_take(take), samples.rate)
-        recorded = [takes[take.GetPath(), samples.rate] for take in take_prims]
-        sketch = to_clip(samples, skeleton)
+            if (take.GetPath(), sketch.rate) not in takes:
+                takes[take.GetPath(), sketch.rate] = resample_clip(edits.read_take(take), sketch.rate)
+        recorded = [takes[take.GetPath(), sketch.rate] for take in take_prims]
         recipe = read_recipe(prim)
+        stacks = read_stacks(prim)
         fitted = fit_takes(prim, sketch, take_prims, recorded)
-        holds = read_holds(prim, skeleton_prim, sketch, recipe.contacts)
-        limits = () if recipe.contacts == "off" else read_limits(skeleton_prim, skeleton)
-        yield Job(character, samples, sketch, fitted, recipe, holds, declared_frequency(prim), limits)
+        yield Job(
+            character=character,
+            samples=played.samples,
+            sketch=sketch,
+            takes=_edit_takes(fitted, edits.read(prim, stacks.before, like=sketch)),
+            recipe=recipe,
+            after=edits.read(prim, stacks.after, like=sketch),
+            find_contacts=make_contact_finder(prim),
+            holds=read_holds(prim, played.skeleton_prim, sketch, recipe.contacts),
+            frequency=declared_frequency(prim),
+            limits=() if recipe.contacts == "off" else read_limits(played.skeleton_prim, sketch.skeleton),
+        )
+
+
+def _edit_takes(takes: tuple[FittedTake, ...], edits: Sequence[Edit]) -> tuple[FittedTake, ...]:
+    """Make a sketch's edits of its takes, which are on its joints by now."""
+    if not edits:
+        return takes
+    return tuple(replace(take, clip=edit.run_stack(take.clip, edits).clip) for take in takes)

@@ -71,7 +71,7 @@ def test_contacts_are_written_for_editing(shot_folder: Path, capsys: Capture) ->
 
 
 def test_what_is_held_stands_still(constrained: Path) -> None:
-    stage = Usd.Stage.Open("shot.edit.stage.usda")
+    stage = Usd.Stage.Open("shot.constrain.stage.usda")
     before = Usd.Stage.Open("shot.usda")
     slid = []
     for joint, offset, intervals in contacts_of("shot.usda").values():
@@ -84,7 +84,7 @@ def test_what_is_held_stands_still(constrained: Path) -> None:
 
 
 def test_joints_that_hold_nothing_keep_their_bits(constrained: Path) -> None:
-    shot, edited = Usd.Stage.Open("shot.usda"), Usd.Stage.Open("shot.edit.stage.usda")
+    shot, edited = Usd.Stage.Open("shot.usda"), Usd.Stage.Open("shot.constrain.stage.usda")
     before, after = shot.GetPrimAtPath(SKETCH), edited.GetPrimAtPath(f"{MODEL}/Sketch_mtex")
     times = before.GetAttribute("rotations").GetTimeSamples()
     assert after.GetAttribute("rotations").GetTimeSamples() == times
@@ -95,7 +95,7 @@ def test_joints_that_hold_nothing_keep_their_bits(constrained: Path) -> None:
 
 
 def test_the_original_is_a_variant(constrained: Path) -> None:
-    layer = Sdf.Layer.OpenAsAnonymous("shot.edit.usd")
+    layer = Sdf.Layer.OpenAsAnonymous("shot.constrain.usd")
     model = layer.GetPrimAtPath(MODEL)
     assert set(model.variantSets["mtex"].variants.keys()) == {"original", "constrained"}
     assert model.variantSelections["mtex"] == "constrained"
@@ -110,7 +110,7 @@ def test_a_second_run_gives_equal_bytes(constrained: Path) -> None:
 def test_detect_needs_no_declarations(shot_folder: Path, capsys: Capture) -> None:
     assert main(["constrain", "walk.usda", "--detect", "--anim", SKETCH, "--dry-run"]) == 0
     assert "constraints, met within" in capsys.readouterr().out
-    assert not Path("walk.edit.usd").exists()
+    assert not Path("walk.constrain.usd").exists()
 
 
 def test_a_hand_touches_a_point(shot_folder: Path, capsys: Capture) -> None:
@@ -127,7 +127,7 @@ over "Humanoid" {
     (shot_folder / "knob.usda").write_text(text, encoding="utf-8")
     stack(shot_folder, "knob.usda", "walk.usda")
     assert main(["constrain", "shot.usda"]) == 0
-    stage = Usd.Stage.Open("shot.edit.stage.usda")
+    stage = Usd.Stage.Open("shot.constrain.stage.usda")
     (place,) = track(stage, "Hips", (0.0, 0.0, 0.0), [60.0])
     np.testing.assert_allclose(place, (0.03, 0.92, 0.10), atol=HELD_MM / 1000.0)
 
@@ -158,7 +158,7 @@ def test_contacts_that_fight_are_named(shot_folder: Path, capsys: Capture) -> No
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (["constrain", "walk.usda"], 3, "no animation to constrain; expected MtexContactAPI:<name> on an animation"),
+        (["constrain", "walk.usda"], 3, "no animation to edit; expected an animation with MtexContactAPI:<name>"),
         (["constrain", "walk.usda", "--anim", "/Nobody"], 3, "there is no animation /Nobody"),
         (["constrain", "nothing.usda"], 2, "nothing.usda"),
         (["contacts", "walk.usda", "-o", "walk.usda"], 2, "walk.usda"),
@@ -220,8 +220,8 @@ def test_the_installed_command_says_what_it_can() -> None:
 def test_texturing_does_not_replace_an_edit_nor_the_other_way_round(constrained: Path, capsys: Capture) -> None:
     assert texture(["walk.usda", "-q"]) == 0
     before = contents(constrained)
-    assert texture(["shot.edit.stage.usda"]) == 2
-    assert "shot.edit.usd holds what another command made" in capsys.readouterr().err
+    assert texture(["shot.constrain.stage.usda"]) == 2
+    assert "shot.constrain.usd holds what another command made" in capsys.readouterr().err
     assert main(["constrain", "shot.usda", "-o", "walk.mtex.usd"]) == 2
     assert "walk.mtex.usd holds what another command made" in capsys.readouterr().err
     assert contents(constrained) == before
@@ -233,4 +233,4 @@ def test_nothing_to_hold_is_said(shot_folder: Path, capsys: Capture) -> None:
     (shot_folder / "none.usda").write_text(text, encoding="utf-8")
     stack(shot_folder, "none.usda", "walk.usda")
     assert main(["constrain", "shot.usda", "--detect", "--anim", SKETCH]) in (2, 3)
-    assert not Path("shot.edit.usd").exists()
+    assert not Path("shot.constrain.usd").exists()

@@ -15,6 +15,10 @@ __all__ = [
     "ANY",
     "BOOL",
     "DOUBLE",
+    "DOUBLE2",
+    "DOUBLE2S",
+    "DOUBLE3S",
+    "DOUBLES",
     "FINITE",
     "INT",
     "INT2",
@@ -59,6 +63,10 @@ INT = Kind("int", (int,), int)
 INT2 = Kind("int2", (Gf.Vec2i,), lambda value: (int(value[0]), int(value[1])))
 DOUBLE = Kind("double", (float, int), float)
 POINT = Kind("point3d", (Gf.Vec3d, Gf.Vec3f), lambda value: (float(value[0]), float(value[1]), float(value[2])))
+DOUBLES = Kind("double[]", (Vt.DoubleArray,), lambda value: tuple(map(float, value)))
+DOUBLE2 = Kind("double2", (Gf.Vec2d,), lambda value: tuple(map(float, value)))
+DOUBLE2S = Kind("double2[]", (Vt.Vec2dArray,), lambda value: tuple(tuple(map(float, row)) for row in value))
+DOUBLE3S = Kind("double3[]", (Vt.Vec3dArray,), lambda value: tuple(tuple(map(float, row)) for row in value))
 TIME_CODES = Kind("timecode[]", (Sdf.TimeCodeArray,), lambda value: tuple(float(code.GetValue()) for code in value))
 TIME_CODE = Kind("timecode", (Sdf.TimeCode,), lambda value: float(value.GetValue()))
 

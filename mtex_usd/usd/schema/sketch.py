@@ -8,6 +8,7 @@ from pxr import Usd
 from mtex_usd.errors import InputError
 from mtex_usd.texture.recipe import CONTACTS, PATH_COSTS, Recipe, Segment
 from mtex_usd.usd.schema.applied import api_instances
+from mtex_usd.usd.schema.edit import EDITS_PROPERTY
 from mtex_usd.usd.schema.properties import (
     BOOL,
     DOUBLE,
@@ -93,7 +94,8 @@ def read_recipe(prim: Usd.Prim) -> Recipe:
         Where a property is misspelt, of the wrong type, changes over time or is out of range, and where segments lack
         an end, are empty or overlap; names the prim, the property and its value.
     """
-    check_names(prim, "mtex:", [TAKES_PROPERTY.removeprefix("mtex:"), *(known.name for known in _SKETCH_PROPERTIES)])
+    others = [name.removeprefix("mtex:") for name in (TAKES_PROPERTY, EDITS_PROPERTY)]
+    check_names(prim, "mtex:", [*others, *(known.name for known in _SKETCH_PROPERTIES)])
     fields = read_properties(prim, "mtex:", _SKETCH_PROPERTIES)
     return Recipe(**fields, segments=_read_segments(prim))
 

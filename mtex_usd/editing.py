@@ -1,0 +1,140 @@
+"""Stacks of edits that are declared on animations, run into an override layer."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mtex_usd import edit
+from mtex_usd.errors import InputError
+from mtex_usd.results import EditResult
+from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_paths
+from mtex_usd.usd.atomic import check_target
+from mtex_usd.usd.check import check_override
+from mtex_usd.usd.edit_stacks import make_contact_finder
+from mtex_usd.usd.edited import StackJob, find_edited, read_stack_jobs
+from mtex_usd.usd.override import ORIGINAL, CharacterResult, check_maker, write_override
+from mtex_usd.usd.source_stage import open_source
+from mtex_usd.usd.thin_root import thin_root_path
+from mtex_usd.usd.variant_samples import build_variant
+
+__all__ = ["apply_edits"]
+
+_MAKER = "usdmtex-edit"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Done:
+    job: StackJob
+    outcomes: dict[str, edit.Outcome]
+
+
+def apply_edits(
+    stage_path: FilePath,
+    *,
+    out: FilePath | None = None,
+    anim: PrimPath | Sequence[PrimPath] = (),
+    select: str | None = None,
+    dry_run: bool = False,
+) -> tuple[EditResult, ...]:
+    """Run the stacks of edits of a shot into an override layer, with ``original`` and one variant for each stack.
+
+    Parameters
+    ----------
+    stage_path
+        The shot, or the thin root of an earlier run. It and all it is made of stay as they are.
+    out
+        The override layer; by default ``<shot>.edit.usd`` beside the shot.
+    anim
+        Prim path or paths of the animations; by default all with stacks in MtexEditStackAPI.
+    select
+        The variant to select; by default the user's earlier choice, else the first, ``edited`` where there is one.
+    dry_run
+        Do everything but write.
+
+    Returns
+    -------
+    tuple of EditResult
+        One per animation, character and stack.
+
+    Raises
+    ------
+    InputError
+        Options, stacks or edits that are not right.
+    StageError
+        No stack, nothing that plays the animation, or a stronger opinion in the way.
+    ResultError
+        What was written does not read back as computed.
+
+    Examples
+    --------
+    >>> apply_edits("shot.usda")[0].clip.frame_count  # doctest: +SKIP
+    """
+    source = open_source(as_file_path(stage_path, "stage"))
+    target = (
+        source.source_path.with_name(f"{source.source_path.stem}.edit.usd") if out is None else as_file_path(out, "out")
+    )
+    check_target(target, "override")
+    check_target(thin_root_path(target), "stage")
+    check_maker(target, _MAKER)
+    animations = find_edited(source.stage, only=as_prim_paths(anim, "anim"))
+    done = [_run(job) for job in read_stack_jobs(source.stage, animations, previous=target)]
+    _check_selection(select, done)
+    built = [_build(each) for each in done]
+    if not dry_run:
+        _, root = write_override(source.stage, built, target, maker=_MAKER, select=select)
+        check_override(root, built)
+    return tuple(_describe(each, name, target) for each in done for name in each.outcomes)
+
+
+def _run(job: StackJob) -> _Done:
+    played = job.played
+    find_contacts = make_contact_finder(played.prim)
+    outcomes = {}
+    for name, edits in job.stacks.items():
+        try:
+            outcomes[name] = edit.run_stack(played.clip, edits, find_contacts=find_contacts)
+        except InputError as error:
+            message = f"{job.character.animation}: {error.message}"
+            raise InputError(message, expected=error.expected, found=error.found, fix=error.fix) from error
+    return _Done(job=job, outcomes=outcomes)
+
+
+def _check_selection(select: str | None, done: Sequence[_Done]) -> None:
+    for each in done:
+        names = (ORIGINAL, *each.outcomes)
+        if select is not None and select not in names:
+            raise InputError(
+                f"{each.job.character.animation} gets no variant {select!r}", expected=f"one of {', '.join(names)}"
+            )
+
+
+def _build(done: _Done) -> CharacterResult:
+    played = done.job.played
+    variants = tuple(
+        build_variant(played.samples, played.clip, outcome.clip, _custom_data(done, name), keys=outcome.keys)
+        for name, outcome in done.outcomes.items()
+    )
+    return CharacterResult(character=done.job.character, names=tuple(done.outcomes), variants=variants)
+
+
+def _custom_data(done: _Done, name: str) -> dict[str, object]:
+    """The variant's ``customData["mtex"]``."""
+    edits = [{"name": each.name, "op": each.op} for each in done.job.stacks[name]]
+    return {"edit": name, "edits": edits, "notes": list(done.outcomes[name].notes)}
+
+
+def _describe(done: _Done, name: str, target: Path) -> EditResult:
+    character, outcome = done.job.character, done.outcomes[name]
+    return EditResult(
+        anim=str(character.animation),
+        model=str(character.model),
+        variantSet=character.variant_set,
+        variant=name,
+        clip=outcome.clip,
+        custom_data=_custom_data(done, name),
+        residuals={},
+        layer=target,
+        stage=thin_root_path(target),
+        notes=outcome.notes,
+        keys=outcome.keys,
+    )

@@ -117,6 +117,7 @@ def make_contact_finder(prim: Usd.Prim) -> ContactFinder:
     declared = read_contacts(prim)
 
     def find_frames(clip: Clip, contacts: str) -> tuple[int, ...]:
+        """Give the frames of a clip at which contacts begin and end."""
         frames = {frame for contact in declared for frame in _declared_frames(contact, clip)}
         unknown = {contact.joint for contact in declared if not contact.intervals}
         if contacts == "detect" or unknown:

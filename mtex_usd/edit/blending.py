@@ -18,6 +18,7 @@ from mtex_usd.edit.pose_features import check_pair, common_joints, pose_position
 from mtex_usd.edit.root import choose_root
 from mtex_usd.edit.warping import warp_time
 from mtex_usd.errors import InputError
+from mtex_usd.motion.arguments import as_clip, as_clips, as_numbers, as_word
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["BlendResult", "blend", "check_same_joints", "describe_distance"]
@@ -26,6 +27,7 @@ FloatArray = npt.NDArray[np.float64]
 
 Place = Literal["mean", "first"]
 
+_LARGEST_WEIGHT = 1000.0
 FAR_APART_M = 0.2  # root mean square over the joints: a walk at opposite phases is 0.3 to 0.4 m from itself
 
 
@@ -90,11 +92,19 @@ def blend(
     InputError
         Weights that do not fit, other joints, rates or lengths, an unknown word for the place.
 
+    Notes
+    -----
+    Contacts: where all motions stand at once, the blend stands as still as they: two sample walks, aligned and with
+    as many strides, slide by at most 0.7 cm half and half and 1.3 cm at weight 1.5, and hover by 0.1 and 2.2 cm.
+    Out of step they slide by 18 cm as a rule, 61 cm at worst. Where one stands and another swings the foot is in
+    between.
+
     Examples
     --------
     >>> angrier = blend(calm, angry, weights=1.5, align_first=True).clip  # doctest: +SKIP
     """
-    motions = [others] if isinstance(others, Clip) else list(others)
+    as_clip(clip)
+    motions = as_clips(others, "other motions")
     _check_motions(clip, motions, place)
     if align_first:
         motions = [_bring_into_step(other, clip) for other in motions]
@@ -109,8 +119,7 @@ def blend(
 
 
 def _check_motions(clip: Clip, others: Sequence[Clip], place: str) -> None:
-    if place not in get_args(Place):
-        raise InputError("unknown place", expected=" or ".join(get_args(Place)), found=repr(place))
+    as_word(place, get_args(Place), "unknown place")
     if not others:
         raise InputError(f"nothing to blend {clip.name or 'the clip'} with", expected="at least one other motion")
     for other in others:
@@ -149,7 +158,7 @@ def _bring_into_step(other: Clip, clip: Clip) -> Clip:
 
 def _weigh(weights: float | Sequence[float] | FloatArray, frame_count: int, count: int) -> FloatArray:
     """Give the weights of all motions, the clip's first, [F, 1 + K]."""
-    given = np.asarray(weights, dtype=np.float64)
+    given = as_numbers(weights, "weights", expected="a number, or numbers in rows")
     shapes: set[tuple[int, ...]] = {(frame_count, count)}
     shapes |= {(), (1,), (frame_count,)} if count == 1 else {(count,)}
     if given.shape not in shapes:
@@ -158,8 +167,10 @@ def _weigh(weights: float | Sequence[float] | FloatArray, frame_count: int, coun
             expected=f"one for each of {count} other motions, or for each of {frame_count} frames and each of those",
             found=f"shape {given.shape}",
         )
-    if not np.isfinite(given).all():
-        raise InputError("weights do not fit", expected="finite numbers", found="one that is not")
+    far = given[~(np.abs(given) <= _LARGEST_WEIGHT)]
+    if far.size:
+        expected = f"finite numbers, none beyond {_LARGEST_WEIGHT:g}"
+        raise InputError("weights do not fit", expected=expected, found=f"{far[0]:g}")
     per_frame = given[:, None] if count == 1 and given.shape == (frame_count,) else given
     table = np.broadcast_to(per_frame, (frame_count, count))
     return np.concatenate([1.0 - table.sum(axis=1, keepdims=True), table], axis=1)

@@ -1,15 +1,14 @@
 """What is beyond the ends of a motion: the last pose held, the motion repeated, or going on as it went."""
 
-from dataclasses import replace
 from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from mtex_usd.edit.frames import take_frames
-from mtex_usd.edit.root import RootMotion, move_level, place_root, read_root
-from mtex_usd.errors import InputError
+from mtex_usd.edit.root import RootMotion, level, place_root, read_root
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_word
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["Ends", "check_ends", "extend_clip"]
@@ -24,19 +23,18 @@ _VELOCITY_S = 0.1  # the velocity a motion goes on with is the mean over so long
 
 def check_ends(ends: str) -> None:
     """Refuse a word that says nothing about the ends."""
-    if ends not in get_args(Ends):
-        raise InputError("unknown ends", expected=" or ".join(get_args(Ends)), found=repr(ends))
+    as_word(ends, get_args(Ends), "unknown ends")
 
 
-def extend_clip(clip: Clip, before: int, after: int, *, ends: Ends) -> Clip:
-    """Add frames before the first and after the last.
+def extend_clip(clip: Clip, first: int, last: int, *, ends: Ends) -> Clip:
+    """Give a stretch of a motion that goes on beyond its ends.
 
     Parameters
     ----------
     clip
         The motion; a loop's last frame is the first of the next cycle, as :func:`~mtex_usd.edit.join` closes loops.
-    before, after
-        How many frames to add.
+    first, last
+        The stretch in frames of the clip, both included; any before the first and after the last.
     ends
         ``hold``: the first and last pose. ``loop``: the poses repeat, and the root goes on from where it is and the way
         it faces; its height repeats as the poses do. ``extrapolate``: joints turn and move on as they did in the mean
@@ -47,48 +45,51 @@ def extend_clip(clip: Clip, before: int, after: int, *, ends: Ends) -> Clip:
     Clip
         The frames of the clip keep their bits.
     """
+    frames = np.arange(first, last + 1)
     if clip.frame_count < 2 or ends == "hold":
-        return take_frames(clip, np.clip(np.arange(-before, clip.frame_count + after), 0, clip.frame_count - 1))
-    if ends == "loop":
-        return _loop(clip, before, after)
-    return _extrapolate(clip, before, after)
+        return take_frames(clip, _hold(clip, frames))
+    return _loop(clip, frames) if ends == "loop" else _extrapolate(clip, frames)
 
 
-def _loop(clip: Clip, before: int, after: int) -> Clip:
+def _hold(clip: Clip, frames: IntArray) -> IntArray:
+    return np.asarray(np.clip(frames, 0, clip.frame_count - 1))
+
+
+def _loop(clip: Clip, frames: IntArray) -> Clip:
     period = clip.frame_count - 1
-    frames = np.arange(-before, clip.frame_count + after)
     # The frame where two cycles meet is the one that is nearer to the clip's own.
     cycles = np.where(frames > 0, -(-frames // period) - 1, frames // period)
     repeated = take_frames(clip, frames - cycles * period)
     root = read_root(clip)
     moved = place_root(repeated, *_travel_on(root, cycles, frames - cycles * period), joint=root.joint)
-    return _with_own(moved, clip, before)
+    own = cycles == 0
+    for name in ("rotations", "translations"):
+        getattr(moved, name)[own] = getattr(repeated, name)[own]
+    return moved
 
 
 def _travel_on(root: RootMotion, cycles: IntArray, frames: IntArray) -> tuple[FloatArray, FloatArray]:
     """Rotations [N, 4] and positions [N, 3] of the root, each cycle beginning where and as the one before ended."""
-    turn = root.raw_heading[-1] - root.raw_heading[0]
-    rotations, positions = np.array(root.rotations[frames]), np.array(root.positions[frames])
-    for step in (1, -1):
-        # Carries a root from one cycle into the next, or into the one before.
-        pivot, goal = (root.positions[0], root.positions[-1])[::step]
-        for cycle in range(step, step * (int((step * cycles).max()) + 1), step):
-            on = cycles * step >= cycle * step
-            rotations[on], positions[on] = move_level(
-                rotations[on], positions[on], turn=step * turn, pivot=pivot, goal=goal, up=root.up
-            )
-    return rotations, positions
+    turn = float(root.raw_heading[-1] - root.raw_heading[0])
+    turning = quaternion.exp(turn * cycles[:, None] * root.up)
+    # One cycle takes a place p on the floor to R p + step; so many take it to R^n p + (1 + R + ... + R^(n-1)) step.
+    step = level(root.positions[-1] - quaternion.rotate(quaternion.exp(turn * root.up), root.positions[0]), root.up)
+    half = 0.5 * (turn - 2.0 * np.pi * np.round(turn / (2.0 * np.pi)))
+    # The sum, by sinc because turns may be none: sin(n half) / sin(half), turned by (n - 1) half.
+    grown = cycles * np.sinc(cycles * half / np.pi) / np.sinc(half / np.pi)
+    travel = grown[:, None] * quaternion.rotate(quaternion.exp((cycles - 1)[:, None] * half * root.up), step)
+    positions = quaternion.rotate(turning, root.positions[frames]) + travel
+    return quaternion.multiply(turning, root.rotations[frames]), positions
 
 
-def _extrapolate(clip: Clip, before: int, after: int) -> Clip:
+def _extrapolate(clip: Clip, frames: IntArray) -> Clip:
     count = min(clip.frame_count - 1, max(1, round(_VELOCITY_S * clip.rate)))
-    head = _go_on(clip, 0, count, -np.arange(before, 0, -1))
-    tail = _go_on(clip, -1, -1 - count, np.arange(1, after + 1))
-    rotations, translations = (
-        np.concatenate([head[i], own, tail[i]]) for i, own in enumerate((clip.rotations, clip.translations))
-    )
-    scales = np.concatenate([clip.scales[:1].repeat(before, 0), clip.scales, clip.scales[-1:].repeat(after, 0)])
-    return replace(clip, rotations=rotations, translations=translations, scales=scales)
+    extended = take_frames(clip, _hold(clip, frames))
+    last = clip.frame_count - 1
+    for beyond, end, inner in ((frames < 0, 0, count), (frames > last, last, last - count)):
+        rotations, translations = _go_on(clip, end, inner, frames[beyond] - end)
+        extended.rotations[beyond], extended.translations[beyond] = rotations, translations
+    return extended
 
 
 def _go_on(clip: Clip, end: int, inner: int, steps: IntArray) -> tuple[FloatArray, FloatArray]:
@@ -97,11 +98,3 @@ def _go_on(clip: Clip, end: int, inner: int, steps: IntArray) -> tuple[FloatArra
     turn = quaternion.log(quaternion.multiply(quaternion.conjugate(clip.rotations[inner]), clip.rotations[end]))
     rotations = quaternion.multiply(clip.rotations[end], quaternion.exp(along * turn))
     return rotations, clip.translations[end] + along * (clip.translations[end] - clip.translations[inner])
-
-
-def _with_own(extended: Clip, clip: Clip, before: int) -> Clip:
-    """Put the clip's own frames back, bit for bit."""
-    own = slice(before, before + clip.frame_count)
-    for name in ("rotations", "translations", "scales"):
-        getattr(extended, name)[own] = getattr(clip, name)
-    return extended

@@ -15,8 +15,8 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_tokens
 from mtex_usd.motion.channels import (
     Channel,
     choose_euler_order,
@@ -50,10 +50,9 @@ def select_channels(clip: Clip, channels: Sequence[str]) -> tuple[Channel, ...]:
     InputError
         For unknown joints and channels, or a single string in place of a list.
     """
-    if isinstance(channels, str):
-        raise InputError("bad channels", expected="a list of channel tokens", found=repr(channels))
-    if channels:
-        return tuple(sorted(resolve_channels(channels, clip.joints, source="channels")))
+    tokens = as_tokens(channels)
+    if tokens:
+        return tuple(sorted(resolve_channels(tokens, clip.joints, source="channels")))
     moving = np.ptp(clip.translations, axis=0).any(axis=-1)
     kinds = [("rx", "ry", "rz", "tx", "ty", "tz") if moves else ("rx", "ry", "rz") for moves in moving]
     return tuple(Channel(joint, kind) for joint, of_joint in enumerate(kinds) for kind in of_joint)

@@ -8,8 +8,9 @@ What it does to contacts: a change of the root or of a leg moves planted feet al
 where they stand. Give them back by inverse kinematics, or change only what carries no contact.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +19,7 @@ from scipy.interpolate import CubicSpline
 from mtex_usd.edit.curve_space import put_rotations, select_channels
 from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_clip, as_frame, as_number, as_numbers, as_tokens, refuse
 from mtex_usd.motion.channels import (
     Channel,
     resolve_channels,
@@ -31,8 +33,11 @@ __all__ = ["Displacement", "PoseChange", "displace"]
 
 FloatArray = npt.NDArray[np.float64]
 Vector = Sequence[float] | FloatArray
+_Part = TypeVar("_Part")
 
 _LEAST_APART = 1e-6  # frames between two keys
+_FARTHEST = 1e9  # frames, degrees, stage units
+_FRAMES = f"a finite number of frames, none beyond {_FARTHEST:g}"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -117,11 +122,10 @@ class PoseChange:
         InputError
             Frames that are not there, other joints, an unknown channel.
         """
-        at = frame if target_frame is None else target_frame
-        if not 0 <= at < target.frame_count:
-            raise InputError(
-                f"no frame {at} in {target.name or 'the target'}", expected=f"0 to {target.frame_count - 1}"
-            )
+        as_clip(target, "target")
+        at = as_frame(
+            frame if target_frame is None else target_frame, f"frame of {target.name or 'the target'}", target
+        )
         return cls.to_pose(
             clip,
             frame=frame,
@@ -169,17 +173,25 @@ def displace(clip: Clip, layers: Displacement | Sequence[Displacement]) -> Clip:
     InputError
         Two changes of a joint at one frame, a scope that is not above 0, numbers that are not finite, an unknown joint.
 
+    Notes
+    -----
+    Contacts: feet move with what is changed above them: on the sample walk by 8 cm where the hips are moved 20 cm
+    within a second and back, by 16 cm where they are turned by 30 degrees, by 5 cm where a thigh is turned by 15;
+    arms and spine leave them alone.
+
     Examples
     --------
     >>> raise_arm = PoseChange(frame=40, rotations={"LeftArm": (0, 0, 30)})  # doctest: +SKIP
     >>> waving = displace(clip, Displacement(keys=[raise_arm], scope=15))  # doctest: +SKIP
     """
-    each = [layers] if isinstance(layers, Displacement) else list(layers)
+    as_clip(clip)
+    each = [layers] if isinstance(layers, Displacement) else _list_of(layers, Displacement, "layers")
     turns, moves = (np.zeros((clip.frame_count, len(clip.joints), 3)) for _ in range(2))
     for layer in each:
         before, after = _check_scope(layer.scope)
         for total, kind in ((turns, "rotations"), (moves, "translations")):
-            for joint, (frames, values) in _collect(clip, layer.keys, kind).items():
+            keys = _list_of(layer.keys, PoseChange, "keys of a displacement")
+            for joint, (frames, values) in _collect(clip, keys, kind).items():
                 total[:, joint] += _spline(frames, values, before, after, clip.frame_count)
     return _turn(_move(clip, moves), np.radians(turns))
 
@@ -205,16 +217,36 @@ def _move(clip: Clip, moves: FloatArray) -> Clip:
     return replace(clip, translations=np.where(changed, clip.translations + steps, clip.translations))
 
 
+def _list_of(values: object, kind: type[_Part], name: str) -> list[_Part]:
+    """Take several of one kind of object."""
+    if not isinstance(values, Iterable):
+        raise refuse(values, name, f"a {kind.__name__}, or a list of them")
+    listed = list(values)
+    for value in listed:
+        if not isinstance(value, kind):
+            raise refuse(value, name, f"a {kind.__name__}, or a list of them")
+    return listed
+
+
 def _collect(clip: Clip, keys: Sequence[PoseChange], kind: str) -> dict[int, tuple[FloatArray, FloatArray]]:
     """Frames [K] and values [K, 3] of the keys of every joint, in time."""
     found: dict[int, list[tuple[float, FloatArray]]] = {}
     for key in keys:
-        for token, vector in getattr(key, kind).items():
+        frame = as_number(key.frame, "frame of a change", expected=_FRAMES, least=-_FARTHEST, most=_FARTHEST)
+        for token, vector in _list_vectors(key, kind):
             channels = resolve_channels([f"{token}.r"], clip.joints, source="keys of a displacement")
-            value = _check_vector(token, key.frame, vector)
+            value = _check_vector(token, frame, vector)
             for joint in dict.fromkeys(channel.joint for channel in channels):
-                found.setdefault(joint, []).append((float(key.frame), value))
+                found.setdefault(joint, []).append((frame, value))
     return {joint: _order(clip, joint, pairs, kind) for joint, pairs in found.items()}
+
+
+def _list_vectors(key: PoseChange, kind: str) -> list[tuple[str, object]]:
+    given: object = getattr(key, kind)
+    expected = "vectors by joint, such as {'LeftArm': (0, 0, 30)}"
+    if not isinstance(given, Mapping):
+        raise refuse(given, f"{kind} of a change", expected)
+    return list(zip(as_tokens(list(given), f"{kind} of a change", expected=expected), given.values(), strict=True))
 
 
 def _order(clip: Clip, joint: int, pairs: list[tuple[float, FloatArray]], kind: str) -> tuple[FloatArray, FloatArray]:
@@ -252,39 +284,45 @@ def _spline(frames: FloatArray, values: FloatArray, before: float, after: float,
     return change
 
 
-def _check_scope(scope: float | tuple[float, float] | None) -> tuple[float, float]:
+def _check_scope(scope: object) -> tuple[float, float]:
     """Give the frames before and after, infinite where the change holds."""
     if scope is None:
         return np.inf, np.inf
-    before, after = scope if isinstance(scope, tuple) else (scope, scope)
-    if not (np.isfinite([before, after]).all() and min(before, after) > 0.0):
-        raise InputError(
-            "bad scope of a displacement", expected="finite numbers of frames above 0", found=f"{before:g}, {after:g}"
-        )
+    expected = f"one or two finite numbers of frames above 0, none beyond {_FARTHEST:g}"
+    given = as_numbers(scope, "scope of a displacement", expected=expected)
+    if given.shape not in {(), (1,), (2,)} or not (given >= _LEAST_APART).all() or not (given <= _FARTHEST).all():
+        raise refuse(scope, "scope of a displacement", expected)
+    before, after = np.broadcast_to(given, 2).tolist()
     return before, after
 
 
-def _check_vector(token: str, frame: float, vector: Vector) -> FloatArray:
-    value = np.asarray(vector, dtype=np.float64)
-    if value.shape != (3,) or not (np.isfinite(value).all() and np.isfinite(frame)):
-        raise InputError(
-            f"bad change of {token} at frame {frame:g}", expected="three finite numbers", found=str(vector)
-        )
+def _check_vector(token: str, frame: float, vector: object) -> FloatArray:
+    name, expected = f"change of {token} at frame {frame:g}", f"three finite numbers, none beyond {_FARTHEST:g}"
+    value = as_numbers(vector, name, expected=expected)
+    if value.shape != (3,) or not (np.abs(value) <= _FARTHEST).all():
+        raise refuse(vector, name, expected)
     return value
 
 
-def _check_pose(clip: Clip, frame: int, rotations: FloatArray, translations: FloatArray | None) -> None:
-    if not 0 <= frame < clip.frame_count:
-        raise InputError(f"no frame {frame} in {clip.name or 'the clip'}", expected=f"0 to {clip.frame_count - 1}")
-    shapes = (rotations.shape, (len(clip.joints), 3) if translations is None else translations.shape)
-    expected = ((len(clip.joints), 4), (len(clip.joints), 3))
-    if shapes != expected:
-        raise InputError("the pose does not fit the clip's joints", expected=str(expected), found=str(shapes))
+def _check_pose(clip: Clip, frame: object, rotations: object, translations: object) -> None:
+    as_clip(clip)
+    as_frame(frame, f"frame of {clip.name or 'the clip'}", clip)
+    for given, size in ((rotations, 4), (translations, 3)):
+        if given is None and size == 3:
+            continue
+        shape = (len(clip.joints), size)
+        values = as_numbers(given, "pose", expected=f"numbers, shape {shape}")
+        if values.shape != shape or not np.isfinite(values).all():
+            found = f"{values.shape}{'' if np.isfinite(values).all() else ' with a number that is not'}"
+            raise InputError(
+                "the pose does not fit the clip's joints", expected=f"finite numbers, shape {shape}", found=found
+            )
 
 
 def _mask_channels(clip: Clip, channels: Sequence[str]) -> tuple[FloatArray, FloatArray]:
     """Ones for the axes that may change, of rotations and of translations, both [J, 3]."""
     count = len(clip.joints)
+    channels = as_tokens(channels)
     if not channels:
         return np.ones((count, 3)), np.ones((count, 3))
     masks = np.zeros((count, 3)), np.zeros((count, 3))

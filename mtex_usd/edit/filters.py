@@ -13,6 +13,7 @@ import numpy.typing as npt
 from mtex_usd.edit.curve_space import CurveSpace, make_curve_space
 from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_clip, as_number, as_numbers, as_whole_number, refuse
 from mtex_usd.motion.clip import Clip
 from mtex_usd.texture.pyramid import Bands, decompose
 
@@ -21,6 +22,9 @@ __all__ = ["bandpass", "equalize", "highpass", "lowpass"]
 FloatArray = npt.NDArray[np.float64]
 
 _LARGEST_ORDER = 16
+_MOST_GAINS = 24  # a band more would take years of frames
+_LARGEST_GAIN = 240.0  # decibels: beyond, angles are not what they were any more
+_SLOWEST = 1e-300  # or dividing by a cut-off that is almost none would overflow
 _LARGEST_EXPONENT = 700.0  # beyond, the exponential overflows
 
 
@@ -55,10 +59,14 @@ def lowpass(clip: Clip, *, frequency: float, channels: Sequence[str] = (), order
     frequency domain (sine transform) to what is left beside the line through both ends, continued by point reflection
     without end, so that there is no start-up error at any cut-off and a straight line passes unchanged.
 
+    Contacts: on the sample walk (feet still within 1.1 cm) planted feet slide by up to 4 cm and rise as much at 2
+    Hz; from 4 Hz on they are as still as before. Filtering spine and arms alone leaves them as they are.
+
     Examples
     --------
     >>> calm = lowpass(take, frequency=6.0, channels=["Spine*"])  # doctest: +SKIP
     """
+    as_clip(clip)
     _check_frequency(frequency, above=0.0)
     _check_order(order)
     space = make_curve_space(clip, channels)
@@ -90,8 +98,14 @@ def highpass(clip: Clip, *, frequency: float, channels: Sequence[str] = (), orde
     ------
     InputError
         For unknown channels, a frequency or an order out of range.
+
+    Notes
+    -----
+    Contacts: none is left. Without the root's slow travel feet are drawn over the floor by their whole stance, on
+    the sample walk up to 42 cm from its middle, and sink by 5 cm. Choose channels that carry no contact.
     """
-    return bandpass(clip, frequencies=(frequency, math.inf), channels=channels, order=order)
+    low = as_number(frequency, "frequency of the filter", expected="0 Hz or more", least=0.0, unit="Hz")
+    return bandpass(clip, frequencies=(low, math.inf), channels=channels, order=order)
 
 
 def bandpass(clip: Clip, *, frequencies: tuple[float, float], channels: Sequence[str] = (), order: int = 4) -> Clip:
@@ -116,11 +130,13 @@ def bandpass(clip: Clip, *, frequencies: tuple[float, float], channels: Sequence
     ------
     InputError
         For unknown channels, an order out of range, frequencies in the wrong order or beyond what the rate can hold.
+
+    Notes
+    -----
+    Contacts: as for :func:`highpass`, unless the lower frequency is 0, and then as for :func:`lowpass`.
     """
-    low, high = frequencies
-    if not low >= 0.0:
-        raise InputError("bad frequency of the filter", expected="0 Hz or more", found=f"{low:g} Hz")
-    _check_frequency(high, above=low)
+    as_clip(clip)
+    low, high = _check_frequencies(frequencies)
     _check_order(order)
     space = make_curve_space(clip, channels)
     if low == 0.0:
@@ -159,9 +175,16 @@ def equalize(clip: Clip, *, gains: Sequence[float], channels: Sequence[str] = ()
     Raises
     ------
     InputError
-        For unknown channels, and for gains that are not numbers or infinite upwards.
+        For unknown channels, more than 24 gains, and gains that are not numbers or above 240 dB.
+
+    Notes
+    -----
+    Contacts: the nearer a band is to the steps, the farther planted feet slide. At 6 dB on all channels of the
+    sample walk (24 frames/s) band 2 makes it 3 cm, band 3 11 cm, band 4, which holds the stride, 20 cm; there -6 dB
+    make 11 cm.
     """
-    factors = [_to_factor(gain) for gain in gains]
+    as_clip(clip)
+    factors = [_to_factor(gain) for gain in _list_gains(gains)]
     residual = _to_factor(residual_gain)
     space = make_curve_space(clip, channels)
     bands = decompose(space.curves)
@@ -194,20 +217,49 @@ def _turn_residual(space: CurveSpace, slow: FloatArray, bent: FloatArray, factor
     return np.asarray(np.degrees(vectors).reshape(len(before), -1))
 
 
-def _to_factor(gain: float) -> float:
-    if math.isnan(gain) or gain == math.inf:
-        raise InputError("bad gain", expected="decibels: a number, or -inf to mute", found=f"{gain:g}")
-    return float(10.0 ** (gain / 20.0))
+def _list_gains(gains: object) -> FloatArray:
+    expected = f"a list of decibels, one for each band, at most {_MOST_GAINS}"
+    listed = as_numbers(gains, "gains", expected=expected)
+    if listed.ndim != 1 or len(listed) > _MOST_GAINS:
+        raise refuse(gains, "gains", expected)
+    return listed
 
 
-def _check_frequency(frequency: float, *, above: float) -> None:
-    if not frequency > above:
-        raise InputError("bad frequency of the filter", expected=f"above {above:g} Hz", found=f"{frequency:g} Hz")
+def _to_factor(gain: object) -> float:
+    decibels = as_number(
+        gain,
+        "gain",
+        expected=f"decibels: a number up to {_LARGEST_GAIN:g}, or -inf to mute",
+        least=-math.inf,
+        most=_LARGEST_GAIN,
+    )
+    return float(10.0 ** (decibels / 20.0))
 
 
-def _check_order(order: int) -> None:
-    if not 1 <= order <= _LARGEST_ORDER:
-        raise InputError("bad order of the filter", expected=f"1 to {_LARGEST_ORDER}", found=str(order))
+def _check_frequencies(frequencies: object) -> tuple[float, float]:
+    """Give the lower and the upper frequency, the upper one perhaps infinite."""
+    expected = "a lower and an upper one in Hz"
+    pair = as_numbers(frequencies, "frequencies of the filter", expected=expected)
+    if pair.shape != (2,):
+        raise refuse(frequencies, "frequencies of the filter", expected)
+    low = as_number(float(pair[0]), "frequency of the filter", expected="0 Hz or more", least=0.0, unit="Hz")
+    _check_frequency(float(pair[1]), above=low)
+    return low, float(pair[1])
+
+
+def _check_frequency(frequency: object, *, above: float) -> None:
+    as_number(
+        frequency,
+        "frequency of the filter",
+        expected=f"above {above:g} Hz",
+        least=math.nextafter(above, math.inf),
+        most=math.inf,
+        unit="Hz",
+    )
+
+
+def _check_order(order: object) -> None:
+    as_whole_number(order, "order of the filter", least=1, most=_LARGEST_ORDER, expected=f"1 to {_LARGEST_ORDER}")
 
 
 def _lowpass(curves: FloatArray, cutoff: float, order: int) -> FloatArray:
@@ -221,7 +273,7 @@ def _lowpass(curves: FloatArray, cutoff: float, order: int) -> FloatArray:
     out = np.array(line)
     if last > 1:
         # Between ends that are 0, sines that fit into the clip are the frequencies of its endless point reflection.
-        warped = np.tan(0.5 * np.pi * np.arange(1, last) / last) / np.tan(np.pi * cutoff)
+        warped = np.tan(0.5 * np.pi * np.arange(1, last) / last) / max(np.tan(np.pi * cutoff), _SLOWEST)
         response = 1.0 / (1.0 + np.exp(np.minimum(2.0 * order * np.log(warped), _LARGEST_EXPONENT)))
         rest = dst((curves - line)[1:-1], type=1, axis=0)
         out[1:-1] += idst(response[:, None] * rest, type=1, axis=0)

@@ -30,6 +30,7 @@ from mtex_usd.edit.transitions import (
 )
 from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_frame, as_word, refuse
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["JoinResult", "join"]
@@ -123,6 +124,15 @@ def join(
     InputError
         Different joints or rates, an empty window, a transition without room for it, an unknown method.
 
+    Notes
+    -----
+    Contacts: blended where they are alike, feet are as still as before, on the sample walks within 1.3 cm.
+    Interpolated, they go straight from one stance to the other: a walk into a stand draws the planted foot 22 cm
+    over the floor in 0.4 s.
+
+    What is most alike may be near one's end and the other's beginning, or the other way round, so that little of
+    both is left: :func:`~mtex_usd.edit.find_transition` takes the frames to look in.
+
     Examples
     --------
     >>> cycle = join(walk, walk).clip  # doctest: +SKIP
@@ -131,8 +141,8 @@ def join(
     check_pair(clip, other)
     check_same_joints(clip, other)
     half = half_window(clip, blend_s)
-    if method not in get_args(Method):
-        raise InputError("unknown method", expected=" or ".join(get_args(Method)), found=repr(method))
+    as_word(method, get_args(Method), "unknown method")
+    _check_transition(clip, other, transition)
     at, is_blend = _choose(clip, other, transition, half, method)
     joint = choose_root([clip, other])
     strands = (make_strand(clip, joint), make_strand(other, joint))
@@ -140,6 +150,15 @@ def join(
     limits = _FASTER * np.maximum(_fastest(clip), _fastest(other))
     middle = _best(fill(strands, at, count, limits) for count in _lengths(strands, at, half, is_blend=is_blend))
     return _put_together(strands, at, middle, "blend" if is_blend else "interpolate")
+
+
+def _check_transition(clip: Clip, other: Clip, transition: object) -> None:
+    if transition is None:
+        return
+    if not isinstance(transition, Transition):
+        raise refuse(transition, "transition", "a Transition, as find_transition gives it")
+    as_frame(transition.frame, f"transition, frame of {clip.name or 'the clip'}", clip)
+    as_frame(transition.other_frame, f"transition, frame of {other.name or 'the other'}", other)
 
 
 def _choose(

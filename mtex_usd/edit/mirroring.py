@@ -16,6 +16,7 @@ from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
 from mtex_usd.motion.anatomy import find_anatomy
 from mtex_usd.motion.anatomy.words import split_words
+from mtex_usd.motion.arguments import as_clip, as_word
 from mtex_usd.motion.channels import (
     to_local_rotations,
     to_local_translations,
@@ -58,9 +59,16 @@ def mirror(clip: Clip, *, plane: Literal["rest", "facing"] = "rest") -> Clip:
     ------
     InputError
         Where the skeleton has no left and right, or for another plane.
+
+    Notes
+    -----
+    Contacts: the other foot's at the same frames, as still as before.
+
+    With ``"facing"`` the way the hips face at the first frame counts, and while walking they swing: by 4.3 degrees
+    on the sample walk, so its mirrored way goes off by 8.6. Begin where they face along the way, or use ``"rest"``.
     """
-    if plane not in {"rest", "facing"}:
-        raise InputError("bad plane to mirror about", expected="rest or facing", found=repr(plane))
+    as_clip(clip)
+    as_word(plane, ("rest", "facing"), "bad plane to mirror about")
     across, _ = _find_plane(clip.skeleton)
     partners = pair_joints(clip.skeleton)
     turns = to_skeleton_rotations(clip.rotations, clip.skeleton)[:, partners]

@@ -14,6 +14,7 @@ from mtex_usd.edit.cleaning.limbs import body_size, captured_joints
 from mtex_usd.edit.root import RootMotion, read_root
 from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_clip
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.correspondence import corresponding_joints
 from mtex_usd.motion.skeleton import Skeleton
@@ -89,8 +90,8 @@ def pose_positions(clip: Clip, joints: Sequence[int], *, root: RootMotion | None
 
 
 def check_pair(clip: Clip, other: Clip) -> None:
-    """Refuse two motions that are not at one rate or too short to be compared."""
-    for each in (clip, other):
+    """Refuse what is no motion, and two that are not at one rate or too short to be compared."""
+    for each in (as_clip(clip), as_clip(other, "other clip")):
         if each.frame_count < 2:
             raise InputError(f"{each.name or 'a clip'} is too short", expected="at least 2 frames", found="1")
     if abs(clip.rate / other.rate - 1.0) > 1e-6:

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from mtex_usd.edit.curve_space import CurveSpace, make_curve_space
 from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_clip, as_number
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["median", "robust_mean"]
@@ -24,6 +25,7 @@ __all__ = ["median", "robust_mean"]
 FloatArray = npt.NDArray[np.float64]
 _Filter = Callable[[FloatArray], FloatArray]
 
+_ENDLESS = 1e9  # frames: longer than any clip
 _WHOLE_FRAME = 1e-6  # of a frame: windows that miss a frame by less have it
 _STEPS = 50
 _CONVERGED = 1e-7  # radians
@@ -38,7 +40,8 @@ def median(clip: Clip, *, window_s: float, channels: Sequence[str] = ()) -> Clip
     clip
         The clip.
     window_s
-        Length of the window in seconds, centred on the frame; below two frames' time the clip comes back as it is.
+        Length of the window in seconds, above 0, centred on the frame; below two frames' time that is the frame alone,
+        and the clip comes back as it is.
     channels
         Channel tokens as in recipes; none means the rotations of all joints and the translations of those that move.
 
@@ -51,7 +54,12 @@ def median(clip: Clip, *, window_s: float, channels: Sequence[str] = ()) -> Clip
     Raises
     ------
     InputError
-        For unknown channels, a negative window, or one longer than twice the clip.
+        For unknown channels, an empty window, or one longer than twice the clip.
+
+    Notes
+    -----
+    Contacts: feet stay where they stand but are moved where they land and lift: on the sample walk by up to 6 cm
+    with a window of 0.15 s, 10 cm with 0.25 s. Name the channels that have outliers.
 
     Examples
     --------
@@ -88,10 +96,13 @@ def robust_mean(clip: Clip, *, window_s: float, discard: float = 1.0 / 3.0, chan
     Raises
     ------
     InputError
-        For unknown channels, a part outside 0 to 0.5, a negative window, or one longer than twice the clip.
+        For unknown channels, a part outside 0 to 0.5, an empty window, or one longer than twice the clip.
+
+    Notes
+    -----
+    Contacts: as for :func:`median`, about half as far in the mean; up to 9 cm with windows of 0.15 s and 0.25 s.
     """
-    if not 0.0 <= discard <= 0.5:
-        raise InputError("bad part to discard", expected="0 to 0.5", found=f"{discard:g}")
+    discard = as_number(discard, "part to discard", expected="0 to 0.5", least=0.0, most=0.5)
     half = _half_window(clip, window_s)
     space = make_curve_space(clip, channels)
     if half == 0:
@@ -107,9 +118,9 @@ def robust_mean(clip: Clip, *, window_s: float, discard: float = 1.0 / 3.0, chan
 
 def _half_window(clip: Clip, window_s: float) -> int:
     """How many frames on either side are in the window."""
-    if not (0.0 <= window_s < math.inf):
-        raise InputError("bad window", expected="a length of 0 s or more", found=f"{window_s:g} s")
-    half = math.floor(0.5 * window_s * clip.rate + _WHOLE_FRAME)
+    as_clip(clip)
+    frames = as_number(window_s, "window", expected="a length above 0 s", unit="s") * clip.rate
+    half = math.floor(min(0.5 * frames, _ENDLESS) + _WHOLE_FRAME)
     if half > clip.frame_count - 1:
         length = (clip.frame_count - 1) / clip.rate
         raise InputError(

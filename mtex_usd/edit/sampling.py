@@ -13,7 +13,9 @@ from scipy.interpolate import CubicSpline
 from scipy.sparse import csr_array
 
 from mtex_usd.edit.continuation import Ends, check_ends, extend_clip
+from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import MOST_FRAMES
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.timing import LOW_PASS_REACH, low_pass_kernel
 
@@ -26,6 +28,8 @@ IntArray = npt.NDArray[np.intp]
 _ON_FRAME = 1e-9  # of a frame: times this near a frame are on it
 _PHASE_DIGITS = 9  # of a frame, by which the filter's rows are told apart
 _FASTER = 1.0 + 1e-9  # speeds above are filtered
+_MOST_PASSED = 2_500_000  # frames of the clip passed faster than recorded: the filter has 20 weights for each
+_FASTEST = MOST_FRAMES / LOW_PASS_REACH  # the filter reaches that far beyond the ends
 
 
 def sample_clip(clip: Clip, times: FloatArray, *, speeds: FloatArray | float = 1.0, ends: Ends = "hold") -> Clip:
@@ -46,15 +50,21 @@ def sample_clip(clip: Clip, times: FloatArray, *, speeds: FloatArray | float = 1
     -------
     Clip
         N frames at the clip's rate, beginning at its first time code.
+
+    Raises
+    ------
+    InputError
+        For an unknown word for the ends, and where time runs so fast, or so far, that it would fill the memory.
     """
     check_ends(ends)
     speeds = np.broadcast_to(np.asarray(speeds, dtype=np.float64), times.shape)
+    _check_speeds(speeds)
     source, first = clip, 0
     if ends == "hold":
         times = np.clip(times, 0.0, clip.frame_count - 1.0)
     else:
         source, first = _extend_to(clip, times, float(speeds.max()), ends)
-    times = times + first
+    times = times - first
     rotations = _sample_rotations(source.rotations, times, speeds)
     return replace(
         clip,
@@ -64,12 +74,32 @@ def sample_clip(clip: Clip, times: FloatArray, *, speeds: FloatArray | float = 1
     )
 
 
+def _check_speeds(speeds: FloatArray) -> None:
+    passed, fastest = float(speeds[speeds > _FASTER].sum()), float(speeds.max())
+    if not (passed <= _MOST_PASSED and fastest <= _FASTEST):
+        raise InputError(
+            "time runs too fast",
+            expected=f"at most {_FASTEST:g} frames of the clip from frame to frame, {_MOST_PASSED} in all",
+            found=f"{fastest:.6g}, {passed:.6g} in all",
+            fix="Speed it up less, or ask for fewer frames.",
+        )
+
+
 def _extend_to(clip: Clip, times: FloatArray, speed: float, ends: Ends) -> tuple[Clip, int]:
-    """Continue a clip as far as the times go; a loop farther, so that the filter sees it go round."""
-    margin = int(np.ceil((LOW_PASS_REACH + 1) * max(speed, 1.0))) if ends == "loop" else 0
-    before = max(0, int(np.ceil(-times.min()))) + margin
-    after = max(0, int(np.ceil(times.max() - (clip.frame_count - 1)))) + margin
-    return extend_clip(clip, before, after, ends=ends), before
+    """Continue a clip over the times, a loop farther so that the filter sees it go round; give its first frame too."""
+    first, last = int(np.floor(times.min())), int(np.ceil(times.max()))
+    is_beyond = first >= clip.frame_count or last < 0
+    if not is_beyond:
+        first, last = min(first, 0), max(last, clip.frame_count - 1)
+    margin = int(np.ceil((LOW_PASS_REACH + 1) * max(speed, 1.0))) if ends == "loop" or is_beyond else 0
+    if last - first > MOST_FRAMES + clip.frame_count:
+        raise InputError(
+            "the times lie too far apart",
+            expected=f"at most {MOST_FRAMES} frames beyond the clip's {clip.frame_count}",
+            found=f"frames {first} to {last}",
+            fix="Use smaller numbers, or hold the ends.",
+        )
+    return extend_clip(clip, first - margin, last + margin, ends=ends), first - margin
 
 
 def _sample_rotations(rotations: FloatArray, times: FloatArray, speeds: FloatArray) -> FloatArray:

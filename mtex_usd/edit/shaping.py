@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from mtex_usd.edit.curve_space import CurveSpace, select_channels
 from mtex_usd.errors import InputError
+from mtex_usd.motion.arguments import as_clip, as_number, as_numbers, as_tokens, as_word, refuse
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["make_soft_limits", "waveshape"]
@@ -19,6 +20,8 @@ __all__ = ["make_soft_limits", "waveshape"]
 FloatArray = npt.NDArray[np.float64]
 
 _ROUNDING = 1e-12  # of the largest value: shaped values this near are meant to be the same
+_FARTHEST = 1e9  # degrees or stage units
+_LEAST_APART = 1e-6  # of two values: nearer ones coincide
 _SOFT_POINTS = 24
 _SOFT_PART = 0.75  # of the softness in which the bend's points lie
 _SOFT_REACH = 8.0  # softnesses: exp(-8) of the softness is left below the limit
@@ -57,14 +60,19 @@ def waveshape(
     InputError
         For unknown channels or none, rotations together with translations, and points that are no monotone curve.
 
+    Notes
+    -----
+    Contacts: a joint of the leg moves the foot with it. Thighs that swing 1.2 times as far make the sample walk's
+    planted feet slide by 8 cm and rise by 5 cm; above the hips nothing happens to them.
+
     Examples
     --------
     >>> livelier = waveshape(take, points=[(-60, -80), (0, 0), (60, 80)], channels=["*Arm.rx"])  # doctest: +SKIP
     """
+    as_clip(clip)
     curve = _check_points(points)
-    if about not in {"mean", "rest"}:
-        raise InputError("bad origin of the curve", expected="mean or rest", found=repr(about))
-    if not channels:
+    as_word(about, ("mean", "rest"), "bad origin of the curve")
+    if not as_tokens(channels):
         raise InputError("no channels to shape", expected="at least one channel token", found="none")
     chosen = select_channels(clip, channels)
     angles = tuple(channel for channel in chosen if channel.is_rotation)
@@ -99,7 +107,11 @@ def make_soft_limits(lower: float, upper: float, *, softness: float = 10.0) -> t
     InputError
         Where both limits are infinite, or closer than twice the softness.
     """
-    if not (0.0 < softness < np.inf and upper - lower > 2.0 * softness and min(-lower, upper) < np.inf):
+    lower, upper = (
+        as_number(limit, "limits", expected="numbers", least=-np.inf, most=np.inf) for limit in (lower, upper)
+    )
+    softness = as_number(softness, "softness")
+    if not (lower < upper and upper - lower > 2.0 * softness and min(-lower, upper) < np.inf):
         raise InputError(
             "bad limits",
             expected="a softness above 0, a limit, and an upper one more than twice the softness above the lower",
@@ -124,12 +136,13 @@ def _bend(softness: float) -> FloatArray:
     return np.concatenate([[[-softness, -softness]], curve, [[2.0 * curve[-1, 0], 0.0]]])
 
 
-def _check_points(points: Sequence[tuple[float, float]]) -> FloatArray:
-    curve = np.asarray(points, dtype=np.float64)
-    if curve.ndim != 2 or curve.shape[1:] != (2,) or len(curve) < 2 or not np.isfinite(curve).all():
-        raise InputError("bad points of the curve", expected="at least two pairs of numbers", found=str(list(points)))
+def _check_points(points: object) -> FloatArray:
+    expected = f"at least two pairs of numbers, none beyond {_FARTHEST:g}"
+    curve = as_numbers(points, "points of the curve", expected=expected)
+    if curve.ndim != 2 or curve.shape[1:] != (2,) or len(curve) < 2 or not (np.abs(curve) <= _FARTHEST).all():
+        raise refuse(points, "points of the curve", expected)
     rises = np.diff(curve, axis=0)
-    if (rises[:, 0] <= 0.0).any() or (rises[:, 1] < 0.0).any():
+    if (rises[:, 0] < _LEAST_APART).any() or (rises[:, 1] < 0.0).any():
         raise InputError(
             "the points are no monotone curve",
             expected="increasing values, and results that never decrease",

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from mtex_usd.edit.pose_features import check_pair, common_joints, pose_positions
 from mtex_usd.errors import InputError
+from mtex_usd.motion.arguments import MOST_FRAMES, as_frame, as_number, refuse
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["Transition", "find_transition", "half_window", "is_itself", "least_loop", "measure_transition"]
@@ -73,7 +74,8 @@ def find_transition(
     Raises
     ------
     InputError
-        Different rates, no joint in common, a window that is empty or longer than a motion, or a range without frames.
+        Different rates, no joint in common, a window that is empty or longer than a motion, a range without frames or
+        with frames the motion does not have.
     """
     check_pair(clip, other)
     half = half_window(clip, window_s)
@@ -92,9 +94,9 @@ def find_transition(
 
 def half_window(clip: Clip, window_s: float) -> int:
     """Give how many frames a window reaches to either side, at least one."""
-    if not (np.isfinite(window_s) and window_s > 0.0):
-        raise InputError("empty window", expected="a window above 0 seconds", found=f"{window_s:g}")
-    return max(1, round(0.5 * window_s * clip.rate))
+    longest = MOST_FRAMES / clip.rate
+    expected = f"a window above 0 seconds, at most {longest:g}"
+    return max(1, round(0.5 * as_number(window_s, "window", expected=expected, most=longest) * clip.rate))
 
 
 def is_itself(clip: Clip, other: Clip) -> bool:
@@ -128,7 +130,7 @@ def measure_transition(clip: Clip, other: Clip, frame: int, other_frame: int, *,
 
 def _check_range(clip: Clip, half: int, given: tuple[int, int] | None) -> tuple[int, int]:
     """Give the first and last frame the window fits around, within what is asked for."""
-    first, last = (0, clip.frame_count - 1) if given is None else given
+    first, last = (0, clip.frame_count - 1) if given is None else _as_range(clip, given)
     first, last = max(first, half), min(last, clip.frame_count - 1 - half)
     if first > last:
         raise InputError(
@@ -138,6 +140,14 @@ def _check_range(clip: Clip, half: int, given: tuple[int, int] | None) -> tuple[
             fix="Use a shorter window or a wider range.",
         )
     return first, last
+
+
+def _as_range(clip: Clip, given: object) -> tuple[int, int]:
+    """Take a first and a last frame, which may be the wrong way round."""
+    name = f"range of frames of {clip.name or 'the clip'}"
+    if not isinstance(given, Sequence) or isinstance(given, str | bytes) or len(given) != 2:
+        raise refuse(given, name, "a first and a last frame")
+    return as_frame(given[0], name, clip), as_frame(given[1], name, clip)
 
 
 def _moments(half: int) -> list[int]:

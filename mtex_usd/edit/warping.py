@@ -19,16 +19,18 @@ from scipy.interpolate import PchipInterpolator
 from mtex_usd.edit.channel_part import take_channels
 from mtex_usd.edit.continuation import Ends, check_ends
 from mtex_usd.edit.sampling import sample_clip
-from mtex_usd.edit.timing import check_frame_count
+from mtex_usd.edit.timing import choose_frame_count
 from mtex_usd.errors import InputError
+from mtex_usd.motion.arguments import as_clip, as_numbers, as_tokens
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["TimeWarp", "warp_time"]
 
 FloatArray = npt.NDArray[np.float64]
 
+_FARTHEST = 1e9  # frames
+_LEAST_APART = 1e-6  # frames: nearer ones coincide
 _HALVINGS = 60  # of the interval that holds a time: to the last bit
-_FRAME_FITS = 1e-6  # how far past the end, in frames, a frame still belongs to the motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,16 +52,21 @@ class TimeWarp:
 
     def __post_init__(self) -> None:
         """Check that the pairs make a map."""
-        pairs = np.asarray(self.pairs, dtype=np.float64)
+        pairs = as_numbers(
+            self.pairs, "pairs of a time warp", expected="pairs (frame of the clip, frame of the result)"
+        )
         if pairs.ndim != 2 or pairs.shape[1:] != (2,) or not len(pairs):
             raise InputError(
                 "bad pairs of a time warp",
                 expected="at least one pair (frame of the clip, frame of the result)",
                 found=f"shape {pairs.shape}",
             )
-        if not np.isfinite(pairs).all():
-            raise InputError("bad pairs of a time warp", expected="finite frames", found="a number that is not")
-        crossing = np.flatnonzero((np.diff(pairs, axis=0) <= 0.0).any(axis=1))
+        far = pairs[~(np.abs(pairs) <= _FARTHEST)]
+        if far.size:
+            raise InputError(
+                "bad pairs of a time warp", expected=f"finite frames, none beyond {_FARTHEST:g}", found=f"{far[0]:g}"
+            )
+        crossing = np.flatnonzero((np.diff(pairs, axis=0) < _LEAST_APART).any(axis=1))
         if crossing.size:
             before, after = (tuple(map(float, pairs[crossing[0] + k])) for k in (0, 1))
             raise InputError(
@@ -154,17 +161,23 @@ def warp_time(
     Raises
     ------
     InputError
-        Pairs that cross, coincide or are not finite, none at all, fewer than 2 frames, an unknown channel.
+        Pairs that cross, coincide or are not finite, none at all, fewer than 2 frames or more than 200,000 in the
+        result, an unknown channel.
+
+    Notes
+    -----
+    Contacts: as still as before, earlier or later; footfalls that are given as pairs come exactly there.
 
     Examples
     --------
     >>> marching = warp_time(clip, pairs=[(20, 25), (40, 39), (60, 63), (80, 84)])  # doctest: +SKIP
     """
+    as_clip(clip)
     check_ends(ends)
-    warp = TimeWarp(np.asarray(pairs, dtype=np.float64))
-    last = float(warp.inverse.source_times(np.array([clip.frame_count - 1.0]))[0][0])
-    default = clip.frame_count if channels else max(int(np.floor(last + _FRAME_FITS)) + 1, 2)
-    count = check_frame_count(frame_count, default=default)
+    channels = as_tokens(channels)
+    warp = TimeWarp(pairs)  # type: ignore[arg-type]
+    fitting = max(float(warp.inverse.source_times(np.array([clip.frame_count - 1.0]))[0][0]), 1.0)
+    count = choose_frame_count(frame_count, last=clip.frame_count - 1 if channels else fitting)
     if warp.is_identity and count == clip.frame_count:
         return take_channels(clip, clip, channels)
     times, speeds = warp.source_times(np.arange(count, dtype=np.float64))

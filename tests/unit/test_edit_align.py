@@ -137,7 +137,7 @@ class TestFindTransition:
 
     @pytest.mark.parametrize("window", [0.0, -1.0, np.nan])
     def test_refuses_an_empty_window(self, window):
-        with pytest.raises(InputError, match="empty window; expected a window above 0 seconds"):
+        with pytest.raises(InputError, match="bad window; expected a window above 0 seconds"):
             find_transition(walk(30), walk(30), window_s=window)
 
     def test_refuses_a_window_longer_than_the_motion(self):

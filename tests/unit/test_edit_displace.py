@@ -107,7 +107,9 @@ def test_refuses_two_changes_at_one_frame():
 @pytest.mark.parametrize("scope", [0.0, -3.0, (5.0, 0.0), float("nan")])
 def test_refuses_an_empty_scope(scope):
     key = PoseChange(frame=3, rotations={HEAD: (1, 0, 0)})
-    with pytest.raises(InputError, match="bad scope of a displacement; expected finite numbers of frames above 0"):
+    with pytest.raises(
+        InputError, match="bad scope of a displacement; expected one or two finite numbers of frames above 0"
+    ):
         displace(walk(10), Displacement(keys=[key], scope=scope))
 
 
@@ -125,9 +127,9 @@ def test_refuses_an_unknown_joint():
 
 def test_refuses_frames_and_poses_that_do_not_fit():
     clip = walk(10)
-    with pytest.raises(InputError, match="no frame 10 in /Take; expected 0 to 9"):
+    with pytest.raises(InputError, match="bad frame of /Take; expected a whole number, 0 to 9; found 10"):
         PoseChange.to_clip(clip, walk(20), frame=10)
-    with pytest.raises(InputError, match="no frame 20 in /Take; expected 0 to 19"):
+    with pytest.raises(InputError, match="bad frame of /Take; expected a whole number, 0 to 19; found 20"):
         PoseChange.to_clip(clip, walk(20), frame=3, target_frame=20)
     with pytest.raises(InputError, match="the pose does not fit the clip's joints"):
         PoseChange.to_clip(clip, on_joints(clip, JOINTS[:4]), frame=3)

@@ -10,7 +10,7 @@ from mtex_usd.constraints.contacts import Contact, Effector, detect_contacts, fi
 from mtex_usd.constraints.kinematics import place_points
 from mtex_usd.constraints.planting.holding import Held, hold_motion
 from mtex_usd.constraints.planting.plan import Hold, plan_contacts
-from mtex_usd.constraints.retargeting import JointMap, Pair, map_joints, retarget_mapped
+from mtex_usd.constraints.retargeting import JointMap, Pair, as_pairs, map_joints, retarget_mapped
 from mtex_usd.constraints.retargeting.body import stands_near_zero
 from mtex_usd.motion import quaternion
 from mtex_usd.motion.clip import Clip
@@ -54,7 +54,7 @@ def retarget_with_contacts(
         Where the contacts cannot be met on the character.
     """
     skeleton = onto.skeleton if isinstance(onto, Clip) else onto
-    said = [pair if isinstance(pair, Pair) else Pair(*pair) for pair in pairs]
+    said = as_pairs(pairs)
     joint_map = map_joints(clip.skeleton, skeleton, said)
     motion = retarget_mapped(clip, joint_map, like=onto if isinstance(onto, Clip) else None)
     found = plan_contacts(detect_contacts(clip) if contacts is None else contacts, clip)

@@ -1,6 +1,6 @@
 """Which joint of a take drives which joint of a character, found by names and shape or said by the user."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from mtex_usd.constraints.retargeting.body import measure_body, measure_scale
@@ -8,10 +8,11 @@ from mtex_usd.constraints.retargeting.sections import Section, find_sections
 from mtex_usd.constraints.retargeting.transfer import Share, Stance, find_shares
 from mtex_usd.errors import InputError
 from mtex_usd.motion.anatomy import Anatomy, find_anatomy
+from mtex_usd.motion.arguments import refuse
 from mtex_usd.motion.correspondence import corresponding_joints
 from mtex_usd.motion.skeleton import Skeleton
 
-__all__ = ["JointMap", "Pair", "map_joints"]
+__all__ = ["JointMap", "Pair", "as_pairs", "map_joints"]
 
 _NO_HUMANOID = "pairs"  # the convention of skeletons that are known by what the user names alone
 
@@ -79,6 +80,36 @@ class JointMap:
         """Joints of the take that drive nothing."""
         used = {joint for sources in self.mapped.values() for joint in sources}
         return tuple(joint for joint in self.stance.source.joints if joint not in used)
+
+
+def as_pairs(values: object) -> tuple[Pair, ...]:
+    """Take pairs of joints as people give them.
+
+    Parameters
+    ----------
+    values
+        Several, each a Pair or two names.
+
+    Raises
+    ------
+    InputError
+        Where they are anything else, such as names one after the other.
+    """
+    expected = "a list of pairs (joint of the character, joint of the motion)"
+    if not isinstance(values, Iterable) or isinstance(values, str | bytes | Mapping):
+        raise refuse(values, "pairs", expected)
+    return tuple(_as_pair(value, expected) for value in values)
+
+
+def _as_pair(value: object, expected: str) -> Pair:
+    if isinstance(value, Pair):
+        names: list[object] = [value.joint, value.source]
+    else:
+        names = list(value) if isinstance(value, Sequence) and not isinstance(value, str | bytes) else []
+    texts = [name for name in names if isinstance(name, str)]
+    if len(texts) != 2 or len(names) != 2:
+        raise refuse(value, "pair of joints", expected)
+    return Pair(*texts)
 
 
 def map_joints(source: Skeleton, target: Skeleton, pairs: Sequence[Pair] = ()) -> JointMap:

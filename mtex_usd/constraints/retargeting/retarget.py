@@ -7,9 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from mtex_usd.constraints.retargeting.body import estimate_ground, rest_ground, stand_on
-from mtex_usd.constraints.retargeting.joint_map import JointMap, Pair, map_joints
+from mtex_usd.constraints.retargeting.joint_map import JointMap, Pair, as_pairs, map_joints
 from mtex_usd.constraints.retargeting.transfer import rest_lean, turn_section
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_clip, refuse
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import Skeleton
 
@@ -49,9 +50,11 @@ def retarget(clip: Clip, onto: Skeleton | Clip, *, pairs: Sequence[Pair | tuple[
     --------
     >>> slim = mtex_usd.constraints.retarget(walk, character)  # doctest: +SKIP
     """
-    skeleton = onto.skeleton if isinstance(onto, Clip) else onto
-    said = [pair if isinstance(pair, Pair) else Pair(*pair) for pair in pairs]
-    joint_map = map_joints(clip.skeleton, skeleton, said)
+    as_clip(clip)
+    skeleton = as_clip(onto, "character").skeleton if isinstance(onto, Clip) else onto
+    if not isinstance(skeleton, Skeleton):
+        raise refuse(onto, "character", "a Skeleton, or a Clip on it")
+    joint_map = map_joints(clip.skeleton, skeleton, as_pairs(pairs))
     return retarget_mapped(clip, joint_map, like=onto if isinstance(onto, Clip) else None)
 
 

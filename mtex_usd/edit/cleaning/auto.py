@@ -13,6 +13,7 @@ from mtex_usd.edit.cleaning.noise import measure_noise, smooth_noise
 from mtex_usd.edit.cleaning.report import CleaningResult
 from mtex_usd.edit.cleaning.spikes import repair_spikes
 from mtex_usd.errors import InputError
+from mtex_usd.motion.arguments import as_clip_with_gaps, as_tokens
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["CLEANING_STEPS", "check_steps", "clean_auto", "clean_clip"]
@@ -49,14 +50,15 @@ def check_steps(steps: Sequence[str]) -> None:
     InputError
         Naming the steps there are.
     """
-    unknown = [step for step in steps if step not in CLEANING_STEPS and step != _AUTO]
+    names = as_tokens(steps, "steps of the clean-up", expected=f"a list: auto or any of {', '.join(CLEANING_STEPS)}")
+    unknown = [step for step in names if step not in CLEANING_STEPS and step != _AUTO]
     if unknown:
         raise InputError(
             f"unknown step of the clean-up: {', '.join(unknown)}",
             expected=f"auto or any of {', '.join(CLEANING_STEPS)}",
         )
-    if _AUTO in steps and len(steps) > 1:
-        raise InputError("auto chooses the steps itself", found=",".join(steps), fix="Give auto alone, or the steps.")
+    if _AUTO in names and len(names) > 1:
+        raise InputError("auto chooses the steps itself", found=",".join(names), fix="Give auto alone, or the steps.")
 
 
 def clean_clip(clip: Clip, steps: Sequence[str], *, floor_height: float = 0.0) -> CleaningResult:
@@ -81,6 +83,7 @@ def clean_clip(clip: Clip, steps: Sequence[str], *, floor_height: float = 0.0) -
     InputError
         For an unknown step.
     """
+    as_clip_with_gaps(clip)
     check_steps(steps)
     if list(steps) == [_AUTO]:
         return clean_auto(clip, floor_height=floor_height)

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from mtex_usd.edit.cleaning.limbs import Limb, Swivel, find_limbs, measure_swivel
 from mtex_usd.edit.cleaning.report import CleaningResult, Finding
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_clip_with_gaps, as_number
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["find_flips", "find_jumps", "interpolate_swivel", "repair_flips"]
@@ -58,7 +59,15 @@ def repair_flips(clip: Clip, *, jump_deg: float = 60.0, longest_s: float = 0.5) 
     -------
     CleaningResult
         Two changes per run, one for the upper joint and one for the end; jumps that no repair resolves are notes.
+
+    Raises
+    ------
+    InputError
+        Where a number is out of range.
     """
+    as_clip_with_gaps(clip)
+    jump_deg = as_number(jump_deg, "jump_deg", expected="degrees above 0")
+    longest_s = as_number(longest_s, "longest_s", expected="0 seconds or more", least=0.0)
     rotations = clip.rotations
     changes: list[Finding] = []
     notes: list[Finding] = []

@@ -1,10 +1,13 @@
 """What goes through the floor: reported, not repaired, since only constraints can mend it without harm."""
 
+import sys
+
 import numpy as np
 import numpy.typing as npt
 
 from mtex_usd.edit.cleaning.limbs import body_size
 from mtex_usd.edit.cleaning.report import CleaningResult, Finding, list_runs
+from mtex_usd.motion.arguments import as_clip_with_gaps, as_number
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["report_floor"]
@@ -26,7 +29,15 @@ def report_floor(clip: Clip, *, height: float = 0.0, least_size: float = 0.005) 
     -------
     CleaningResult
         Notes only, one per joint; where a root is below, one for the whole, since the floor is then elsewhere.
+
+    Raises
+    ------
+    InputError
+        Where a number is out of range.
     """
+    as_clip_with_gaps(clip)
+    height = as_number(height, "height of the floor", expected="a finite number", least=-sys.float_info.max)
+    least_size = as_number(least_size, "least_size", expected="0 or more", least=0.0)
     positions, _ = clip.skeleton.world_pose(clip.rotations, clip.translations)
     depths = height - positions @ clip.skeleton.up
     deep = depths > least_size * body_size(clip.skeleton)

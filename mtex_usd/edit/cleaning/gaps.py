@@ -8,6 +8,7 @@ import numpy.typing as npt
 from mtex_usd.edit.cleaning.report import CleaningResult, Finding, list_runs
 from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_clip_with_gaps, as_number, as_whole_number
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["fill_gaps"]
@@ -46,8 +47,12 @@ def fill_gaps(clip: Clip, *, longest_s: float = 0.25, fewest_held: int = 2, leas
     Raises
     ------
     InputError
-        Where a joint has no frame with data.
+        Where a joint has no frame with data, or a number is out of range.
     """
+    as_clip_with_gaps(clip)
+    longest_s = as_number(longest_s, "longest_s", expected="0 seconds or more", least=0.0)
+    fewest_held = as_whole_number(fewest_held, "fewest_held", least=1)
+    least_deg = as_number(least_deg, "least_deg", expected="0 degrees or more", least=0.0)
     missing = _find_missing(clip)
     filled = _fill_missing(clip, missing, longest_s)
     return filled.then(_fill_held(filled.clip, longest_s, fewest_held, np.radians(least_deg) * 120.0 / clip.rate))

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from mtex_usd.edit.cleaning.limbs import body_size, captured_joints, find_limbs
 from mtex_usd.edit.cleaning.report import CleaningResult, Finding
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_clip_with_gaps, as_number
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["report_jumps"]
@@ -39,7 +40,15 @@ def report_jumps(clip: Clip, *, least_size: float = 0.03, least_deg: float = 90.
     -------
     CleaningResult
         Notes only; the frame of each is the one that was jumped to.
+
+    Raises
+    ------
+    InputError
+        Where a number is out of range.
     """
+    as_clip_with_gaps(clip)
+    least_size = as_number(least_size, "least_size", expected="0 or more", least=0.0)
+    least_deg = as_number(least_deg, "least_deg", expected="0 degrees or more", least=0.0)
     if clip.frame_count <= _AROUND:
         return CleaningResult(clip=clip)
     longer = max(1.0, _FULL_RATE / clip.rate)

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from mtex_usd.edit.cleaning.limbs import captured_joints
 from mtex_usd.edit.cleaning.report import CleaningResult, Finding
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_clip_with_gaps, as_number
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["trim_leading"]
@@ -36,7 +37,15 @@ def trim_leading(clip: Clip, *, least_deg: float = 5.0, times_usual: float = 8.0
     -------
     CleaningResult
         The clip begins later; the time codes of the frames left are the same.
+
+    Raises
+    ------
+    InputError
+        Where a number is out of range.
     """
+    as_clip_with_gaps(clip)
+    least_deg = as_number(least_deg, "least_deg", expected="0 degrees or more", least=0.0)
+    times_usual = as_number(times_usual, "times_usual", expected="0 or more", least=0.0)
     count = _count_leading(clip, np.radians(least_deg), times_usual)
     if count == 0:
         return CleaningResult(clip=clip)

@@ -4,6 +4,7 @@ Gleicher 2000, section 1.3: the high frequencies that make noise are also those 
 So the frames around them keep their bits; the filter is a Gaussian, since a sharper one rings beside what is sharp.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -11,8 +12,8 @@ import numpy.typing as npt
 
 from mtex_usd.edit.cleaning.limbs import body_size, captured_joints, find_limbs
 from mtex_usd.edit.cleaning.report import CleaningResult, Finding, list_runs
-from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_clip_with_gaps, as_number
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["find_sharp_frames", "measure_noise", "smooth_noise"]
@@ -49,10 +50,13 @@ def smooth_noise(clip: Clip, *, cutoff_hz: float = 8.0, keep_s: float = 0.05) ->
     Raises
     ------
     InputError
-        Where the cutoff is not positive.
+        Where a number is out of range.
     """
-    if not cutoff_hz > 0.0:
-        raise InputError("bad cutoff of the noise filter", expected="a frequency above 0", found=f"{cutoff_hz:g} Hz")
+    as_clip_with_gaps(clip)
+    cutoff_hz = as_number(
+        cutoff_hz, "cutoff of the noise filter", expected="a frequency above 0", most=math.inf, unit="Hz"
+    )
+    keep_s = as_number(keep_s, "keep_s", expected="0 to a thousand seconds", least=0.0, most=1000.0)
     if cutoff_hz >= 0.5 * clip.rate:
         return CleaningResult(clip=clip)
     weights = _filter_weights(find_sharp_frames(clip, cutoff_hz=cutoff_hz), round(keep_s * clip.rate))

@@ -6,15 +6,15 @@ the filter's result is replaced by it; all else keeps its bits.
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 
 from mtex_usd.edit.cleaning.limbs import body_size, captured_joints
 from mtex_usd.edit.cleaning.report import CleaningResult, Finding, list_runs
-from mtex_usd.errors import InputError
 from mtex_usd.motion import quaternion
+from mtex_usd.motion.arguments import as_clip_with_gaps, as_number, as_word
 from mtex_usd.motion.clip import Clip
 
 __all__ = ["SpikeFilter", "repair_spikes"]
@@ -59,10 +59,13 @@ def repair_spikes(
     Raises
     ------
     InputError
-        For another filter.
+        For another filter, or a number out of range.
     """
-    if spike_filter not in {"median", "robust"}:
-        raise InputError("unknown spike filter", expected="median or robust", found=repr(spike_filter))
+    as_clip_with_gaps(clip)
+    as_word(spike_filter, get_args(SpikeFilter), "unknown spike filter")
+    least_deg = as_number(least_deg, "least_deg", expected="0 degrees or more", least=0.0)
+    least_size = as_number(least_size, "least_size", expected="0 or more", least=0.0)
+    window_s = as_number(window_s, "window", expected="seconds above 0, at most a thousand", most=1000.0)
     half = max(_LEAST_WINDOW, round(window_s * clip.rate)) // 2
     if clip.frame_count < 2 * half + 1:
         return CleaningResult(clip=clip)

@@ -26,9 +26,11 @@ if TYPE_CHECKING:
         read_clip,
         write_clip,
     )
+    from mtex_usd.conforming import conform
     from mtex_usd.motion.clip import Clip
     from mtex_usd.motion.skeleton import Skeleton
     from mtex_usd.results import EditResult, Fragment, PathVariant, Result, Retarget
+    from mtex_usd.suggesting import Suggestion, Suggestions, suggest
 
 __version__ = "0.1.0"
 
@@ -47,13 +49,17 @@ __all__ = [
     "Retarget",
     "Skeleton",
     "StageError",
+    "Suggestion",
+    "Suggestions",
     "apply_edits",
+    "conform",
     "constrain",
     "find_contacts",
     "import_takes",
     "list_takes",
     "process",
     "read_clip",
+    "suggest",
     "write_clip",
 ]
 
@@ -65,6 +71,8 @@ _HOMES = {
         ),
         "mtex_usd.api",
     ),
+    "conform": "mtex_usd.conforming",
+    **dict.fromkeys(("Suggestion", "Suggestions", "suggest"), "mtex_usd.suggesting"),
     **dict.fromkeys(("EditResult", "Fragment", "PathVariant", "Result", "Retarget"), "mtex_usd.results"),
     "Clip": "mtex_usd.motion.clip",
     "Skeleton": "mtex_usd.motion.skeleton",

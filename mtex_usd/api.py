@@ -16,6 +16,7 @@ from mtex_usd.importing import (
     list_takes,
     report_progress,
 )
+from mtex_usd.presenting import Presentation, check_presentation, prepare_presentation
 from mtex_usd.processing import finish_job
 from mtex_usd.results import PathVariant, Result, list_retargets
 from mtex_usd.texture.result import TexturedMotion
@@ -46,7 +47,7 @@ __all__ = [
 ]
 
 
-def process(
+def process(  # noqa: PLR0913  (one for each option of the command)
     stage_path: FilePath,
     *,
     out: FilePath | None = None,
@@ -55,6 +56,10 @@ def process(
     candidates: int | None = None,
     band: int | None = None,
     select: str | None = None,
+    timeline: FilePath | None = None,
+    report: FilePath | None = None,
+    sheet: FilePath | None = None,
+    command: str = "",
     dry_run: bool = False,
     progress: ProgressCallback | None = None,
 ) -> tuple[Result, ...]:
@@ -72,6 +77,14 @@ def process(
         Instead of what the recipes say in ``mtex:paths``, ``mtex:candidates`` and ``mtex:matchBand``.
     select
         The variant to select; by default the user's earlier choice, else ``path_01``.
+    timeline
+        An .otio file to write as well: one track per path, one clip per fragment.
+    report
+        An .html file to write as well: the review page, with a player and all that led to the result.
+    sheet
+        A .png file to write as well: strobed figures, one row per variant.
+    command
+        What the review page says it was made by.
     dry_run
         Do everything but write.
     progress
@@ -104,6 +117,13 @@ def process(
     check_target(target, "override")
     check_target(thin_root, "stage")
     check_maker(target, "usdmtex")
+    asked = Presentation(
+        timeline=_optional(timeline, "timeline"),
+        report=_optional(report, "report"),
+        sheet=_optional(sheet, "sheet"),
+        command=command,
+    )
+    check_presentation(asked, [source.source_path, target, thin_root])
     cast = find_cast(source.stage, only=sketches, previous=target)
     finished: list[Finished] = []
     for done, job in enumerate(read_jobs(source.stage, cast.wanted)):
@@ -112,9 +132,11 @@ def process(
         finished.append(finish_job(job, recipe))
         _check_selection(select, finished[-1].motion)
     built = [build_result(each) for each in finished]
+    write_presentation = prepare_presentation(asked, source, finished)
     if not dry_run:
         _, root = write_override(source.stage, built, target, select=select, keep=cast.others)
         check_override(root, built)
+        write_presentation()
     report_progress(progress, len(cast.wanted), len(cast.wanted), "")
     return tuple(_describe(each, target, cast.left_out) for each in finished)
 
@@ -135,6 +157,10 @@ def find_outputs(stage_path: FilePath, *, out: FilePath | None = None) -> tuple[
     shot = as_file_path(stage_path, "stage")
     target = find_override(shot) if out is None else as_file_path(out, "out")
     return target, thin_root_path(target)
+
+
+def _optional(file_path: FilePath | None, name: str) -> Path | None:
+    return None if file_path is None else as_file_path(file_path, name)
 
 
 def _recipe_overrides(paths: int | None, candidates: int | None, band: int | None) -> dict[str, Any]:

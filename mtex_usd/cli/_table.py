@@ -4,14 +4,14 @@ import json
 import os
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 from mtex_usd.errors import InputError
 from mtex_usd.results import Result
 
-__all__ = ["check_json_target", "write_json"]
+__all__ = ["check_json_target", "write_json", "write_table"]
 
 VERSION = 1
 _STANDARD_OUTPUT = Path("-")
@@ -65,8 +65,20 @@ def write_json(file_path: Path, results: Sequence[Result]) -> None:
     results
         What :func:`mtex_usd.process` gave.
     """
-    table = {"version": VERSION, "results": [_describe(result) for result in results]}
-    text = json.dumps(table, indent=2) + "\n"
+    write_table(file_path, [_describe(result) for result in results])
+
+
+def write_table(file_path: Path, rows: Sequence[Mapping[str, object]]) -> None:
+    """Write ``{version, results: [...]}``.
+
+    Parameters
+    ----------
+    file_path
+        Replaced whole or not at all; ``-`` for standard output.
+    rows
+        One per result.
+    """
+    text = json.dumps({"version": VERSION, "results": list(rows)}, indent=2) + "\n"
     if file_path == _STANDARD_OUTPUT:
         sys.stdout.write(text)
         return

@@ -1,6 +1,7 @@
 """``usdmtex``: texture and synthesize the sketches of a shot into an override layer."""
 
 import argparse
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -32,6 +33,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code: 0 done, 2 usage or input, 3 the stage, 5 the written result did not validate, 70 a bug.
     """
     arguments = _build_parser().parse_args(argv)
+    arguments.command = shlex.join([_NAME, *(sys.argv[1:] if argv is None else argv)])
     return run_command(_NAME, lambda: _process(arguments))
 
 
@@ -75,6 +77,7 @@ def _build_parser() -> argparse.ArgumentParser:
         help="variant to select, such as path_02 or original (default: as before, else path_01)",
     )
     parser.add_argument("--json", type=Path, metavar="F", help="write the fragment table to F; - for standard output")
+    _add_presentation_options(parser)
     parser.add_argument("--dry-run", action="store_true", help="do everything but write")
     parser.add_argument(
         "--print-plugin-path", nargs=0, action=_PrintPluginPath, help="print the path for PXR_PLUGINPATH_NAME"
@@ -96,6 +99,14 @@ def _add_recipe_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--band", type=_positive, metavar="B", help="match band, instead of mtex:matchBand")
 
 
+def _add_presentation_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--timeline", type=Path, metavar="F.otio", help="write the paths as a timeline, for editing and usdmtex-conform"
+    )
+    parser.add_argument("--report", type=Path, metavar="F.html", help="write a review page: one file, opens offline")
+    parser.add_argument("--sheet", type=Path, metavar="F.png", help="write a contact sheet of strobed figures")
+
+
 def _process(arguments: argparse.Namespace) -> int:
     # Imported here: USD, numpy and scipy take far longer to load than --help or a usage error should.
     with hold_interrupts():
@@ -113,6 +124,10 @@ def _process(arguments: argparse.Namespace) -> int:
             candidates=arguments.candidates,
             band=arguments.band,
             select=arguments.select,
+            timeline=arguments.timeline,
+            report=arguments.report,
+            sheet=arguments.sheet,
+            command=arguments.command,
             dry_run=arguments.dry_run,
             progress=progress,
         )
@@ -146,7 +161,9 @@ def _report(results: "Sequence[Result]", arguments: argparse.Namespace) -> None:
                     )
                 )
     if not arguments.dry_run:
-        print(f"wrote {results[0].layer}")
+        for file in (results[0].layer, arguments.timeline, arguments.report, arguments.sheet):
+            if file:
+                print(f"wrote {file}")
         print(f"open {results[0].stage}")
 
 

@@ -30,7 +30,7 @@ class Candidates:
     take
         Index of the take.
     first, last
-        Frames in that take, both included.
+        Frames in that take, both included; given fragments may begin and end between frames.
     distance
         Matching distance.
     scale
@@ -40,8 +40,8 @@ class Candidates:
     """
 
     take: IntArray
-    first: IntArray
-    last: IntArray
+    first: IntArray | FloatArray
+    last: IntArray | FloatArray
     distance: FloatArray
     scale: FloatArray
     stretch_lifted: bool

@@ -1,14 +1,14 @@
 """The method from end to end on clips (Pullen & Bregler 2002, section 3)."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from mtex_usd.motion.channels import Channel
 from mtex_usd.motion.clip import Clip
-from mtex_usd.texture.candidates import build_lattice, find_candidates, find_sketch_fragments
+from mtex_usd.texture.candidates import Candidates, build_lattice, find_candidates, find_sketch_fragments
 from mtex_usd.texture.diversity import find_diverse_paths
 from mtex_usd.texture.finish import Finished, Finisher
 from mtex_usd.texture.matching import MOST_SCALE
@@ -21,9 +21,10 @@ from mtex_usd.texture.result import FragmentUse, TexturedMotion, Variant
 from mtex_usd.texture.roles import Roles, resolve_roles
 from mtex_usd.texture.space import Space, choose_orders
 
-__all__ = ["animated_channels", "texture_motion"]
+__all__ = ["Ground", "animated_channels", "assemble_motion", "describe_path", "read_ground", "texture_motion"]
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
 
 # A channel that moves less than this, in degrees or thousandths of the height, is not animated.
 _STILL = 1e-3
@@ -57,6 +58,82 @@ def texture_motion(
     InputError
         Channels that do not resolve, a role joint no take has, takes too short, nothing to do.
     """
+    ground = read_ground(sketch, takes, recipe)
+    fragments = find_sketch_fragments(ground.roles, ground.pools, sketch.frame_count)
+    candidates = find_candidates(ground.roles, ground.pools, fragments, recipe)
+    finisher = ground.build_finisher(fragments, candidates, recipe, held or {})
+    space = ground.space
+    curves = [space.to_curves(finisher.take_copy(take)) for take in range(len(ground.takes))]
+    sliding = np.concatenate([np.zeros(3 * len(space.whole), dtype=np.bool_), space.sliding])
+    lattice = build_lattice(candidates, fragments, curves, sliding, recipe)
+    if recipe.diversity > 0.0:
+        chosen = find_diverse_paths(lattice, finisher, curves, recipe)
+    else:
+        chosen = [(path, finisher.finish(path.choice)) for path in find_paths(lattice, recipe.paths)]
+    variants = tuple(_describe(rank, path, done, finisher) for rank, (path, done) in enumerate(chosen, start=1))
+    notes = [*ground.roles.notes, *ground.absent, *_notes(ground.pools, finisher, recipe, len(variants))]
+    breaks = np.append(fragments[:, 0], fragments[-1, 1])
+    return assemble_motion(finisher, variants, breaks, notes)
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """Sketch and takes, read and measured: what paths are made on, whether they are searched or given.
+
+    Parameters
+    ----------
+    sketch
+        The sketch.
+    takes
+        The takes that have all joints with a role, in the order candidates count them.
+    roles
+        What is copied for what, and when.
+    space
+        What is copied, and how.
+    pools
+        The takes' fragments by way of matching.
+    absent
+        A note for each take left out.
+    """
+
+    sketch: Motion
+    takes: tuple[Motion, ...]
+    roles: Roles
+    space: Space
+    pools: dict[Matching, Pool]
+    absent: tuple[str, ...]
+
+    def build_finisher(
+        self, fragments: IntArray, candidates: Sequence[Candidates], recipe: Recipe, held: Mapping[int, FloatArray]
+    ) -> Finisher:
+        """Give what makes paths through some candidates into motion.
+
+        Parameters
+        ----------
+        fragments, candidates
+            As :class:`~mtex_usd.texture.finish.Finisher` has them.
+        recipe
+            Tells the join time.
+        held
+            As there.
+        """
+        join_frames = round(recipe.join_time * self.sketch.clip.rate)
+        return Finisher(self.sketch, self.takes, self.space, self.roles, fragments, candidates, join_frames, held)
+
+
+def read_ground(sketch: Clip, takes: Sequence[Clip], recipe: Recipe) -> Ground:
+    """Read and measure sketch and takes.
+
+    Parameters
+    ----------
+    sketch, takes, recipe
+        As for :func:`texture_motion`.
+
+    Raises
+    ------
+    InputError
+        As :func:`texture_motion`.
+    """
     root = choose_root(sketch, takes)
     animated = animated_channels(sketch, root) if _matches_all(recipe) else ()
     roles = resolve_roles(recipe, sketch, animated)
@@ -65,20 +142,7 @@ def texture_motion(
     space = _build_space(roles, root, own, motions)
     ways = dict.fromkeys(Matching.of_span(span) for span in roles.spans)
     pools = {way: build_pool(own, motions, space, way, recipe) for way in ways}
-    fragments = find_sketch_fragments(roles, pools, sketch.frame_count)
-    candidates = find_candidates(roles, pools, fragments, recipe)
-    join_frames = round(recipe.join_time * sketch.rate)
-    finisher = Finisher(own, motions, space, roles, fragments, candidates, join_frames, held or {})
-    curves = [space.to_curves(finisher.take_copy(take)) for take in range(len(motions))]
-    sliding = np.concatenate([np.zeros(3 * len(space.whole), dtype=np.bool_), space.sliding])
-    lattice = build_lattice(candidates, fragments, curves, sliding, recipe)
-    if recipe.diversity > 0.0:
-        chosen = find_diverse_paths(lattice, finisher, curves, recipe)
-    else:
-        chosen = [(path, finisher.finish(path.choice)) for path in find_paths(lattice, recipe.paths)]
-    variants = tuple(_describe(rank, path, done, finisher) for rank, (path, done) in enumerate(chosen, start=1))
-    notes = [*roles.notes, *absent, *_notes(pools, finisher, recipe, len(variants))]
-    return _assemble(finisher, variants, notes)
+    return Ground(own, tuple(motions), roles, space, pools, tuple(absent))
 
 
 def _matches_all(recipe: Recipe) -> bool:
@@ -126,12 +190,25 @@ def _turning_joints(roles: Roles) -> list[int]:
     return sorted({channel.joint for channel in roles.used if channel.is_rotation})
 
 
-def _describe(rank: int, path: Path, done: Finished, finisher: Finisher) -> Variant:
-    uses = tuple(_describe_fragment(q, k, finisher) for q, k in enumerate(path.choice))
+def describe_path(rank: int, choice: Sequence[int], joins: int, done: Finished, finisher: Finisher) -> Variant:
+    """Say where the fragments of a finished path come from.
+
+    Parameters
+    ----------
+    rank
+        1 is the best.
+    choice
+        Index of the candidate per sketch fragment, length Q.
+    joins
+        How many joins were consecutive in their take.
+    done, finisher
+        What was made of the path, and what made it.
+    """
+    uses = tuple(_describe_fragment(q, k, finisher) for q, k in enumerate(choice))
     return Variant(
         rank=rank,
         distance=sum(use.distance for use in uses),
-        zero_cost_joins=len(path.joins),
+        zero_cost_joins=joins,
         fragments=uses,
         clip=done.clip,
         joined=done.joined,
@@ -139,20 +216,28 @@ def _describe(rank: int, path: Path, done: Finished, finisher: Finisher) -> Vari
     )
 
 
+def _describe(rank: int, path: Path, done: Finished, finisher: Finisher) -> Variant:
+    return describe_path(rank, path.choice, len(path.joins), done, finisher)
+
+
 def _describe_fragment(q: int, k: int, finisher: Finisher) -> FragmentUse:
     found = finisher.candidates[q]
-    take = finisher.takes[int(found.take[k])].clip
-    on_sketch, on_take = finisher.sketch.clip.time_codes, take.time_codes
+    take, sketch = finisher.takes[int(found.take[k])].clip, finisher.sketch.clip
     first, last = finisher.fragments[q]
     return FragmentUse(
-        start=float(on_sketch[first]),
-        end=float(on_sketch[last]),
+        start=_time_code(sketch, first),
+        end=_time_code(sketch, last),
         take=take.name,
-        take_start=float(on_take[found.first[k]]),
-        take_end=float(on_take[found.last[k]]),
+        take_start=_time_code(take, found.first[k]),
+        take_end=_time_code(take, found.last[k]),
         distance=float(found.distance[k]),
         scale=float(found.scale[k]),
+        band=finisher.roles.span_at(int(first)).match_band,
     )
+
+
+def _time_code(clip: Clip, frame: float) -> float:
+    return float(clip.start + clip.time_codes_per_frame * frame)
 
 
 def _notes(pools: dict[Matching, Pool], finisher: Finisher, recipe: Recipe, found: int) -> list[str]:
@@ -173,7 +258,22 @@ def _notes(pools: dict[Matching, Pool], finisher: Finisher, recipe: Recipe, foun
     return notes
 
 
-def _assemble(finisher: Finisher, variants: tuple[Variant, ...], notes: Sequence[str]) -> TexturedMotion:
+def assemble_motion(
+    finisher: Finisher, variants: tuple[Variant, ...], breaks: IntArray, notes: Sequence[str]
+) -> TexturedMotion:
+    """Put variants together with what they are to be checked by.
+
+    Parameters
+    ----------
+    finisher
+        What made them, or the last of those that did: what is read off it is the same for all of one ground.
+    variants
+        Best first.
+    breaks
+        Frames of the sketch's breaks, shape [Q + 1].
+    notes
+        What a user should know.
+    """
     space, sketch = finisher.space, finisher.sketch.clip
     return TexturedMotion(
         sketch=sketch,
@@ -183,7 +283,7 @@ def _assemble(finisher: Finisher, variants: tuple[Variant, ...], notes: Sequence
         synthesized=finisher.synthesized,
         rotation_orders={sketch.joints[joint]: order for joint, order in space.orders.items()},
         mean_rotations={sketch.joints[j]: mean for j, mean in zip(space.whole, space.means, strict=True)},
-        breaks=np.append(finisher.fragments[:, 0], finisher.fragments[-1, 1]),
+        breaks=breaks,
         variants=variants,
         notes=tuple(notes),
     )

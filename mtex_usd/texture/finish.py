@@ -86,7 +86,7 @@ class Finisher:
     held: Mapping[int, FloatArray] = field(default_factory=dict)
     _copied: dict[int, Copied] = field(default_factory=dict)
     _residuals: dict[int, FloatArray] = field(default_factory=dict)
-    _stretched: dict[tuple[int, int, int, int], Copied] = field(default_factory=dict)
+    _stretched: dict[tuple[int, float, float, int], Copied] = field(default_factory=dict)
 
     def take_copy(self, take: int) -> Copied:
         """What can be copied of one take."""
@@ -172,11 +172,32 @@ class Finisher:
         return result
 
     def _join(self, choice: Sequence[int]) -> Copied:
+        return self.join_pieces(self.take_pieces(choice), self.find_continued(choice))
+
+    def take_pieces(self, choice: Sequence[int]) -> list[Copied]:
+        """Give the fragments of a path, stretched and scaled, not yet joined; neighbours share a frame.
+
+        Parameters
+        ----------
+        choice
+            Index of the candidate per sketch fragment, length Q.
+        """
         pieces = [self._stretch(q, k) for q, k in enumerate(choice)]
         scales = self._scales(choice)
         if np.any(scales != 1.0):
             pieces = [self._scale(piece, q, k, scales) for q, (piece, k) in enumerate(zip(pieces, choice, strict=True))]
-        continued = self._continued(choice)
+        return pieces
+
+    def join_pieces(self, pieces: Sequence[Copied], continued: BoolArray) -> Copied:
+        """Make fragments meet, and blend the quadratic in where they were not consecutive.
+
+        Parameters
+        ----------
+        pieces
+            As :meth:`take_pieces` gives them.
+        continued
+            Whether the two fragments at each join were consecutive in their take, shape [Q - 1].
+        """
         rotations = join_rotations([piece.rotations for piece in pieces], continued, self.join_frames)
         curves = join_curves(
             [piece.curves for piece in pieces],
@@ -187,8 +208,14 @@ class Finisher:
         )
         return Copied(rotations, curves)
 
-    def _continued(self, choice: Sequence[int]) -> BoolArray:
-        """Whether the two fragments at each join were consecutive in their take, shape [Q - 1]."""
+    def find_continued(self, choice: Sequence[int]) -> BoolArray:
+        """Tell whether the two fragments at each join were consecutive in their take, shape [Q - 1].
+
+        Parameters
+        ----------
+        choice
+            Index of the candidate per sketch fragment, length Q.
+        """
         used = [(c.take[k], c.first[k], c.last[k]) for c, k in zip(self.candidates, choice, strict=True)]
         pairs = itertools.pairwise(used)
         return np.array([a[0] == b[0] and a[2] == b[1] for a, b in pairs], dtype=np.bool_)
@@ -197,7 +224,7 @@ class Finisher:
         """One candidate at its sketch fragment's length."""
         found = self.candidates[q]
         frames = int(self.fragments[q, 1] - self.fragments[q, 0]) + 1
-        key = (int(found.take[k]), int(found.first[k]), int(found.last[k]), frames)
+        key = (int(found.take[k]), float(found.first[k]), float(found.last[k]), frames)
         if key not in self._stretched:
             self._stretched[key] = _stretch(self.take_copy(key[0]), *key[1:])
         return self._stretched[key]
@@ -212,7 +239,7 @@ class Finisher:
         found = self.candidates[q]
         first, last = self.fragments[q]
         residual = self._residual(int(found.take[k]))
-        base = stretch_cubic(residual, int(found.first[k]), int(found.last[k]), len(piece.rotations))
+        base = stretch_cubic(residual, float(found.first[k]), float(found.last[k]), len(piece.rotations))
         curves = self.space.to_curves(piece)
         return self.space.from_curves(base + scales[first : last + 1, None] * (curves - base))
 
@@ -271,7 +298,7 @@ class Finisher:
         return self._free * weights
 
 
-def _stretch(copied: Copied, first: int, last: int, frames: int) -> Copied:
+def _stretch(copied: Copied, first: float, last: float, frames: int) -> Copied:
     """Stretch rotations as unit quaternions and curves as numbers, in one pass."""
     joints = copied.rotations.shape[1]
     flat = np.concatenate([copied.rotations.reshape(len(copied.rotations), -1), copied.curves], axis=1)

@@ -9,7 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["MOST_SCALE", "Features", "Match", "candidate_count", "fit_scale", "match_fragments", "stretch_linearly"]
+__all__ = [
+    "MOST_SCALE",
+    "Features",
+    "Match",
+    "candidate_count",
+    "fit_scale",
+    "match_fragments",
+    "measure_distance",
+    "stretch_linearly",
+]
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
@@ -68,7 +77,7 @@ def candidate_count(requested: int, fragment_count: int) -> int:
     return min(max(round(fragment_count / 10), 1), _MOST_CANDIDATES)
 
 
-def stretch_linearly(curves: FloatArray, fragments: IntArray, frame_count: int) -> FloatArray:
+def stretch_linearly(curves: FloatArray, fragments: IntArray | FloatArray, frame_count: int) -> FloatArray:
     """Stretch or compress fragments to one length by linear interpolation.
 
     Parameters
@@ -93,7 +102,7 @@ def stretch_linearly(curves: FloatArray, fragments: IntArray, frame_count: int) 
     return np.asarray(curves[left] * (1.0 - weight) + curves[right] * weight)
 
 
-def _stretched_feature(features: Features, fragments: IntArray, frame_count: int) -> FloatArray:
+def _stretched_feature(features: Features, fragments: IntArray | FloatArray, frame_count: int) -> FloatArray:
     """Give values and slopes of fragments at one length, flat, shape [N, n * 2M]."""
     values = stretch_linearly(features.values, fragments, frame_count)
     means = values.mean(axis=1, keepdims=True)
@@ -150,7 +159,30 @@ def match_fragments(
     return tuple(found[number] for number in range(len(sketch_fragments)))
 
 
-def fit_scale(sketch: Features, sketch_fragment: IntArray, pool: Features, pool_fragment: IntArray) -> float:
+def measure_distance(
+    sketch: Features, sketch_fragment: IntArray, pool: Features, pool_fragment: IntArray | FloatArray
+) -> float:
+    """Give the distance that :func:`match_fragments` finds between one sketch fragment and one of the pool.
+
+    Parameters
+    ----------
+    sketch
+        Features of the sketch.
+    sketch_fragment
+        First and last frame, shape [2].
+    pool
+        Features of all takes end to end.
+    pool_fragment
+        First and last frame, shape [2]; may lie between frames.
+    """
+    frame_count = int(sketch_fragment[1] - sketch_fragment[0]) + 1
+    wanted = _stretched_feature(sketch, sketch_fragment[None], frame_count)
+    return float(np.square(_stretched_feature(pool, pool_fragment[None], frame_count) - wanted).sum(axis=1)[0])
+
+
+def fit_scale(
+    sketch: Features, sketch_fragment: IntArray, pool: Features, pool_fragment: IntArray | FloatArray
+) -> float:
     """Give the factor s, 0 to 4, that minimises ||M s - A|| over the match band (Pullen & Bregler 2002, section 3.2).
 
     A is the sketch fragment's band, M the take fragment's, stretched to its length. Where the take's band is still

@@ -30,6 +30,8 @@ class FragmentUse:
         Matching distance, degrees squared summed over frames.
     scale
         Factor on the copied data, 1 unless scaling is on.
+    band
+        The band that was matched.
     """
 
     start: float
@@ -39,6 +41,7 @@ class FragmentUse:
     take_end: float
     distance: float
     scale: float
+    band: int
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ _KAISER_BETA = 5.0
 _REACH = 4.0
 
 
-def stretch_cubic(curves: FloatArray, first: int, last: int, frame_count: int) -> FloatArray:
+def stretch_cubic(curves: FloatArray, first: float, last: float, frame_count: int) -> FloatArray:
     """Stretch or compress the frames first to last to a number of frames.
 
     Parameters
@@ -26,7 +26,7 @@ def stretch_cubic(curves: FloatArray, first: int, last: int, frame_count: int) -
     curves
         A whole take, shape [F, C]; what lies beyond the fragment shapes the spline at its ends.
     first, last
-        First and last frame of the fragment, both included.
+        First and last frame of the fragment, both included; between frames the spline is read there.
     frame_count
         Frames of the result (n), at least 2.
 
@@ -36,11 +36,11 @@ def stretch_cubic(curves: FloatArray, first: int, last: int, frame_count: int) -
         Shape [n, C]; the fragment itself, bit for bit, where its length already fits.
     """
     step = (last - first) / (frame_count - 1)
-    if step == 1.0:
-        return np.array(curves[first : last + 1])
+    if step == 1.0 and first == int(first):
+        return np.array(curves[int(first) : int(last) + 1])
     margin = int(np.ceil(_REACH * step)) if step > 1.0 else 0
     context = _CONTEXT + margin
-    begin, end = max(0, first - context), min(len(curves), last + 1 + context)
+    begin, end = max(0, int(first) - context), min(len(curves), int(np.ceil(last)) + 1 + context)
     window = curves[begin:end]
     if margin:
         window = _low_pass(window, step, margin)
@@ -48,7 +48,7 @@ def stretch_cubic(curves: FloatArray, first: int, last: int, frame_count: int) -
 
 
 @lru_cache(maxsize=256)
-def _spline_weights(length: int, first: int, last: int, frame_count: int) -> FloatArray:
+def _spline_weights(length: int, first: float, last: float, frame_count: int) -> FloatArray:
     """The cubic spline as a matrix, shape [n, length]: it is linear in what it goes through, and lengths recur."""
     spline = CubicSpline(np.arange(length), np.eye(length))
     return np.asarray(spline(np.linspace(first, last, frame_count)))

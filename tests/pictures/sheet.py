@@ -2,26 +2,49 @@
 
     python -m tests.pictures.sheet shot.mtex.stage.usda -o sheet.png --title "A walk"
 
-Figures are seen from their right side where they stand, or, with --in-place, each from its own in columns side by side.
+The drawing is that of ``usdmtex --sheet``; what it draws is here read from the stage that was written, whatever wrote
+it. Figures are seen from their right side where they stand if they go far enough, else, or with --in-place, each from
+its own in columns side by side. Other pictures draw single rows into figures of matplotlib.
 """
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import matplotlib as mpl
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom, UsdSkel
 
-from mtex_usd.motion.anatomy import find_anatomy
 from mtex_usd.motion.skeleton import Skeleton
-from mtex_usd.texture.facing import find_hips
+from mtex_usd.review.body import find_bones, find_front, find_sides
+from mtex_usd.review.sheet import SKETCH_COLOUR, VARIANT_COLOURS
+from mtex_usd.review.sheet_drawing import SheetBlock, SheetRow, draw_sheet
 from mtex_usd.usd.skeletons import read_skeleton
 
-mpl.use("Agg")
-from matplotlib import pyplot as plt
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
-LEFT, RIGHT, MIDDLE = "#0072b2", "#d55e00", "#444444"
+SIDE_COLOURS = {"left": "#0072b2", "right": "#d55e00", "middle": "#444444"}
+
+
+def find_view(pose: np.ndarray, skeleton: Skeleton, up: np.ndarray) -> np.ndarray:
+    """The level direction a figure faces: it is drawn from its right side."""
+    return find_front(replace(skeleton, up=up), pose)
+
+
+def draw_row(
+    axes: "Axes", positions: np.ndarray, skeleton: Skeleton, up: np.ndarray, views: np.ndarray, shifts: np.ndarray
+) -> None:
+    """Draw one row of figures, each seen across its view."""
+    sides = find_sides(skeleton)
+    bones = find_bones(replace(skeleton, up=up), positions[0])
+    for pose, view, shift in zip(positions, views, shifts, strict=True):
+        for parent, joint in bones:
+            ends = pose[[parent, joint]]
+            axes.plot(ends @ view + shift, ends @ up, color=SIDE_COLOURS[sides[joint]], linewidth=1.1)
+    axes.set_aspect("equal")
+    axes.axis("off")
 
 
 def read_positions(stage: Usd.Stage, skeleton_path: str, time_codes: Sequence[float]) -> np.ndarray:
@@ -50,74 +73,33 @@ def find_skeleton(model: Usd.Prim) -> str:
     return next(str(prim.GetPath()) for prim in prims if prim.IsA(UsdSkel.Skeleton))
 
 
-def colour_joints(skeleton: Skeleton) -> list[str]:
-    """Colour of every joint's bone by the side of the body it is on."""
-    anatomy = find_anatomy(skeleton)
-    begins = {} if anatomy is None else anatomy.parts
-    sides = {LEFT: "left.", RIGHT: "right."}
-    colours = []
-    for joint in range(len(skeleton.joints)):
-        above = skeleton.chain(joint)
-        found = [
-            c for c, side in sides.items() if any(j in above for part, j in begins.items() if part.startswith(side))
-        ]
-        colours.append(found[0] if found else MIDDLE)
-    return colours
-
-
-def find_view(pose: np.ndarray, skeleton: Skeleton, up: np.ndarray) -> np.ndarray:
-    """The level direction a figure faces: it is drawn from its right side."""
-    hips = find_hips(skeleton)
-    across = pose[hips[1]] - pose[hips[0]] if hips else np.eye(3)[0]
-    anatomy = find_anatomy(skeleton)
-    if anatomy is not None and hips and hips[0] == anatomy.parts["right.thigh"]:
-        across = -across
-    front = np.cross(up, across)
-    return front / np.linalg.norm(front)
-
-
-def draw_row(
-    axes: plt.Axes, positions: np.ndarray, skeleton: Skeleton, up: np.ndarray, views: np.ndarray, shifts: np.ndarray
-) -> None:
-    """Draw one row of figures, each seen across its view; bones that no rest pose places are left out."""
-    colours = colour_joints(skeleton)
-    longest = 0.5 * np.ptp(positions[0] @ up)
-    for pose, view, shift in zip(positions, views, shifts, strict=True):
-        for joint, parent in enumerate(skeleton.parents):
-            ends = pose[[parent, joint]]
-            if parent >= 0 and np.linalg.norm(ends[1] - ends[0]) < longest:
-                axes.plot(ends @ view + shift, ends @ up, color=colours[joint], linewidth=1.1)
-    axes.set_aspect("equal")
-    axes.axis("off")
+def read_rows(
+    stage: Usd.Stage, model: Usd.Prim, set_name: str, names: Sequence[str], time_codes: Sequence[float]
+) -> tuple[tuple[SheetRow, ...], Skeleton]:
+    """Give a row per variant, the original in grey, and the skeleton, its up that of the stage."""
+    rows = []
+    for name in names:
+        prim = Sdf.CreatePrimInLayer(stage.GetSessionLayer(), model.GetPath())
+        prim.variantSelections[set_name] = name
+        skeleton_path = find_skeleton(model)
+        colour = SKETCH_COLOUR if name == "original" else VARIANT_COLOURS[len(rows) % len(VARIANT_COLOURS)]
+        rows.append(
+            SheetRow(name=name, caption=(), colour=colour, positions=read_positions(stage, skeleton_path, time_codes))
+        )
+    skeleton = read_skeleton(stage.GetPrimAtPath(skeleton_path))
+    up = np.eye(3)[1 if UsdGeom.GetStageUpAxis(stage) == "Y" else 2]
+    return tuple(rows), Skeleton(joints=skeleton.joints, rest=skeleton.rest, up=up)
 
 
 def make_sheet(stage_path: Path, out: Path, *, variants: Sequence[str], count: int, title: str, in_place: bool) -> None:
     """Draw the chosen variants of a written stage."""
     stage = Usd.Stage.Open(str(stage_path))
     model, set_name = find_set(stage)
-    up = np.eye(3)[1 if UsdGeom.GetStageUpAxis(stage) == "Y" else 2]
     times = np.linspace(stage.GetStartTimeCode(), stage.GetEndTimeCode(), count).round()
     names = list(variants) or ["original", *model.GetVariantSet(set_name).GetVariantNames()[1:4]]
-    figure, rows = plt.subplots(len(names), 1, figsize=(12, 2.1 * len(names)), squeeze=False)
-    for axes, name in zip(rows[:, 0], names, strict=True):
-        prim = Sdf.CreatePrimInLayer(stage.GetSessionLayer(), model.GetPath())
-        prim.variantSelections[set_name] = name
-        skeleton_path = find_skeleton(model)
-        skeleton = read_skeleton(stage.GetPrimAtPath(skeleton_path))
-        positions = read_positions(stage, skeleton_path, times)
-        views = np.array([find_view(pose, skeleton, up) for pose in positions])
-        shifts = np.zeros(count)
-        if in_place:
-            spread = np.arange(count) * 0.75 * np.ptp(positions[0] @ up)
-            shifts = spread - np.sum(positions[:, 0] * views, axis=1)
-        else:
-            views[:] = find_view(positions[0], skeleton, up)
-        draw_row(axes, positions, skeleton, up, views, shifts)
-        axes.set_title(name, loc="left", fontsize=9, family="monospace")
-    figure.suptitle(title, fontsize=11)
-    figure.tight_layout()
-    figure.savefig(out, dpi=90)
-    plt.close(figure)
+    rows, skeleton = read_rows(stage, model, set_name, names, times.tolist())
+    block = SheetBlock(heading=str(model.GetPath()), skeleton=skeleton, time_codes=times, rows=rows)
+    out.write_bytes(draw_sheet([block], title=title or stage_path.name, in_place=in_place or None))
 
 
 def main() -> None:

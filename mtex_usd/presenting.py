@@ -1,0 +1,115 @@
+"""What a run writes beside its layers, for those who choose: a timeline, a review page, a contact sheet."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mtex_usd.errors import InputError
+from mtex_usd.usd.finished import Finished
+from mtex_usd.usd.source_stage import SourceStage
+
+__all__ = ["Presentation", "check_presentation", "prepare_presentation"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Presentation:
+    """What is asked for.
+
+    Parameters
+    ----------
+    timeline
+        An .otio file; None for none.
+    report
+        An .html file; None for none.
+    sheet
+        A .png file; None for none.
+    command
+        The command as a shell takes it, for the review page.
+    """
+
+    timeline: Path | None = None
+    report: Path | None = None
+    sheet: Path | None = None
+    command: str = ""
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """All files asked for."""
+        return tuple(file for file in (self.timeline, self.report, self.sheet) if file is not None)
+
+
+def check_presentation(asked: Presentation, others: Sequence[Path]) -> None:
+    """Make sure that what is asked for may be written, before any work is done for it.
+
+    Parameters
+    ----------
+    asked
+        What is asked for.
+    others
+        Files that the same run reads or writes.
+
+    Raises
+    ------
+    InputError
+        Naming the file and what is wrong.
+    """
+    # What is not asked for is not loaded: it would take longer than a short shot.
+    if asked.timeline:
+        from mtex_usd.editorial.files import check_timeline_target  # noqa: PLC0415
+
+        check_timeline_target(asked.timeline)
+    if asked.report:
+        from mtex_usd.reviewing import check_report_target  # noqa: PLC0415
+
+        check_report_target(asked.report)
+    if asked.sheet:
+        from mtex_usd.reviewing import check_sheet_target  # noqa: PLC0415
+
+        check_sheet_target(asked.sheet)
+    taken = {other.resolve() for other in others}
+    for file in asked.files:
+        if file.resolve() in taken:
+            raise InputError(f"{file} is another file of this run", fix="Choose another name.")
+        taken.add(file.resolve())
+
+
+def prepare_presentation(asked: Presentation, source: SourceStage, finished: Sequence[Finished]) -> Callable[[], None]:
+    """Build what is asked for, and give what writes it once the layers are there.
+
+    Parameters
+    ----------
+    asked
+        What is asked for.
+    source
+        The shot.
+    finished
+        What was made of its sketches, at least one.
+    """
+    writers: list[Callable[[], None]] = []
+    if asked.timeline:
+        writers.append(_prepare_timeline(asked.timeline, source, finished))
+    if asked.report or asked.sheet:
+        writers += _prepare_review(asked, source, finished)
+
+    def write() -> None:
+        """Write all of it."""
+        for each in writers:
+            each()
+
+    return write
+
+
+def _prepare_timeline(file_path: Path, source: SourceStage, finished: Sequence[Finished]) -> Callable[[], None]:
+    from mtex_usd.conforming import describe_timeline  # noqa: PLC0415
+    from mtex_usd.editorial.files import write_timeline_text  # noqa: PLC0415
+
+    text = describe_timeline(source, finished)
+    return lambda: write_timeline_text(file_path, text)
+
+
+def _prepare_review(asked: Presentation, source: SourceStage, finished: Sequence[Finished]) -> list[Callable[[], None]]:
+    from mtex_usd.reviewing import build_review, write_report, write_sheet  # noqa: PLC0415
+
+    review = build_review(finished, title=source.source_path.name, command=asked.command)
+    pairs = ((asked.report, write_report), (asked.sheet, write_sheet))
+    return [lambda file=file, write=write: write(review, file) for file, write in pairs if file is not None]  # type: ignore[misc]

@@ -1,7 +1,7 @@
 """Stacks of edits that are declared on animations, run into an override layer."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mtex_usd import edit
@@ -20,6 +20,7 @@ from mtex_usd.usd.variant_samples import build_variant
 __all__ = ["apply_edits"]
 
 _MAKER = "usdmtex-edit"
+_OF_TIME = ("shiftTime", "scaleTime", "warpTime", "align", "join")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -76,14 +77,16 @@ def apply_edits(
     check_target(target, "override")
     check_target(thin_root_path(target), "stage")
     check_maker(target, _MAKER)
-    animations = find_edited(source.stage, only=as_prim_paths(anim, "anim"))
+    animations, left_out = find_edited(source.stage, only=as_prim_paths(anim, "anim"))
     done = [_run(job) for job in read_stack_jobs(source.stage, animations, previous=target)]
     _check_selection(select, done)
     built = [_build(each) for each in done]
     if not dry_run:
         _, root = write_override(source.stage, built, target, maker=_MAKER, select=select)
         check_override(root, built)
-    return tuple(_describe(each, name, target) for each in done for name in each.outcomes)
+    results = [_describe(each, name, target) for each in done for name in each.outcomes]
+    # To be said once, and so with the first.
+    return (replace(results[0], notes=(*left_out, *results[0].notes)), *results[1:])
 
 
 def _run(job: StackJob) -> _Done:
@@ -92,11 +95,21 @@ def _run(job: StackJob) -> _Done:
     outcomes = {}
     for name, edits in job.stacks.items():
         try:
-            outcomes[name] = edit.run_stack(played.clip, edits, find_contacts=find_contacts)
+            outcome = edit.run_stack(played.clip, edits, find_contacts=find_contacts)
         except InputError as error:
             message = f"{job.character.animation}: {error.message}"
             raise InputError(message, expected=error.expected, found=error.found, fix=error.fix) from error
+        outcomes[name] = replace(outcome, notes=(*outcome.notes, *_find_left_behind(job, name)))
     return _Done(job=job, outcomes=outcomes)
+
+
+def _find_left_behind(job: StackJob, name: str) -> tuple[str, ...]:
+    """What else the animation moves, which edits of time do not take along."""
+    weights = job.played.prim.GetAttribute("blendShapeWeights")
+    moved = [each.name for each in job.stacks[name] if each.op in _OF_TIME]
+    if not (moved and weights and weights.ValueMightBeTimeVarying()):
+        return ()
+    return (f"blend shapes keep their times: {', '.join(moved)} moves joints alone",)
 
 
 def _check_selection(select: str | None, done: Sequence[_Done]) -> None:

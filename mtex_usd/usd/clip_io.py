@@ -1,7 +1,8 @@
 """Clips out of stages and into files."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
@@ -94,13 +95,15 @@ class ClipReader:
         """Find the Skeleton of a take, as :func:`mtex_usd.usd.skeletons.find_take_skeleton`."""
         return find_take_skeleton(prim, read_take_settings(prim), bindings=self._bindings)
 
-    def read_take(self, prim: Usd.Prim) -> Clip:
+    def read_take(self, prim: Usd.Prim, *, skeleton: Skeleton | None = None) -> Clip:
         """Read a take on all joints of its skeleton, at its own rate and within its usable range.
 
         Parameters
         ----------
         prim
             A SkelAnimation.
+        skeleton
+            Whose joints a take without a Skeleton is read on, those it has and those above, if it has no others.
 
         Returns
         -------
@@ -114,8 +117,21 @@ class ClipReader:
         """
         samples = sample_take(self._stage, prim, read_take_settings(prim))
         bound = self.find_skeleton(prim)
-        skeleton = self.read_skeleton(bound) if bound else make_bare_skeleton(samples, self._stage)
-        return to_clip(samples, skeleton)
+        if bound:
+            return to_clip(samples, self.read_skeleton(bound))
+        if skeleton is not None and set(samples.joints) <= set(skeleton.joints):
+            return to_clip(samples, _cut_skeleton(skeleton, samples.joints))
+        return to_clip(samples, make_bare_skeleton(samples, self._stage))
+
+
+def _cut_skeleton(skeleton: Skeleton, joints: Sequence[str]) -> Skeleton:
+    """Leave out what is neither one of some joints nor above one."""
+    kept = {skeleton.joints.index(joint) for joint in joints}
+    for joint in range(len(skeleton.joints) - 1, -1, -1):  # parents come before their children
+        if joint in kept and skeleton.parents[joint] >= 0:
+            kept.add(int(skeleton.parents[joint]))
+    order = sorted(kept)
+    return replace(skeleton, joints=tuple(skeleton.joints[joint] for joint in order), rest=skeleton.rest[order])
 
 
 def _open_stage(file_path: FilePath) -> Usd.Stage:

@@ -2,21 +2,28 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 from pxr import Sdf, Usd
 
 from mtex_usd import edit
 from mtex_usd.constraints.contacts import detect_contacts
 from mtex_usd.constraints.planting import plan_contacts
-from mtex_usd.constraints.retargeting import fit_take
+from mtex_usd.constraints.retargeting import Pair, map_joints, retarget_mapped
 from mtex_usd.edit.stack.edit import ContactFinder, Edit
 from mtex_usd.edit.stack.operations import check_edit
+from mtex_usd.edit.stack.others import complete_joints, put_on_joints
 from mtex_usd.errors import InputError
+from mtex_usd.motion.anatomy import find_anatomy
 from mtex_usd.motion.clip import Clip
+from mtex_usd.motion.correspondence import corresponding_joints
+from mtex_usd.motion.skeleton import Skeleton
 from mtex_usd.motion.timing import resample_clip
 from mtex_usd.usd.clip_io import ClipReader
 from mtex_usd.usd.schema import ContactSettings, read_contacts, read_edit, read_pairs, read_stacks
 
 __all__ = ["EditReader", "make_contact_finder"]
+
+_SAME_REST = 1e-4  # of the longest bone
 
 
 class EditReader:
@@ -54,13 +61,15 @@ class EditReader:
         """
         return tuple(self._read_edit(prim, name, like) for name in names)
 
-    def read_take(self, prim: Usd.Prim) -> Clip:
+    def read_take(self, prim: Usd.Prim, *, skeleton: Skeleton | None = None) -> Clip:
         """Read a take on its own skeleton, with the edits made that it declares to be made before matching.
 
         Parameters
         ----------
         prim
             A SkelAnimation.
+        skeleton
+            Of the character, for a take that has none.
 
         Raises
         ------
@@ -68,7 +77,7 @@ class EditReader:
             As :meth:`read`, and as :meth:`mtex_usd.usd.clip_io.ClipReader.read_take`; where edits of takes name each
             other in a circle.
         """
-        clip = self._reader.read_take(prim)
+        clip = self._reader.read_take(prim, skeleton=skeleton)
         names = read_stacks(prim).before
         if not names:
             return clip
@@ -94,11 +103,27 @@ class EditReader:
 
     def _read_other(self, prim: Usd.Prim, path: Sdf.Path, like: Clip) -> Clip:
         other_prim = self._stage.GetPrimAtPath(path)
-        other = resample_clip(self.read_take(other_prim), like.rate)
+        other = resample_clip(self.read_take(other_prim, skeleton=like.skeleton), like.rate)
         try:
-            return fit_take(other, like, read_pairs(other_prim) or read_pairs(prim)).clip
+            return _put_on(other, like, read_pairs(other_prim) or read_pairs(prim))
         except InputError as error:
             raise _at(other_prim, error) from error
+
+
+def _put_on(other: Clip, like: Clip, pairs: Sequence[Pair]) -> Clip:
+    """Give a motion on all joints of another: by their names where the skeletons are the same, else retargeted."""
+    if not pairs and (_rests_alike(other, like) or not all(map(find_anatomy, (other.skeleton, like.skeleton)))):
+        return put_on_joints(other, like)
+    joint_map = map_joints(other.skeleton, like.skeleton, tuple(pairs))
+    whole = retarget_mapped(other, joint_map, like=like)
+    return complete_joints(whole, like, [share.joint for share in joint_map.shares])
+
+
+def _rests_alike(other: Clip, like: Clip) -> bool:
+    named = corresponding_joints(other.joints, like.joints)
+    here, there = list(named.keys()), list(named.values())
+    size = max(1.0, float(np.abs(like.rest).max()))
+    return bool(named) and bool(np.allclose(like.rest[here], other.rest[there], rtol=0.0, atol=_SAME_REST * size))
 
 
 def _at(prim: Usd.Prim, error: InputError) -> InputError:

@@ -99,8 +99,14 @@ def find_played(stage: Usd.Stage, *, only: Sequence[str] = ()) -> tuple[Sdf.Path
     return _find(stage, only, lambda prim: prim.GetPath() in played, "a Skeleton that plays it", "")
 
 
-def find_edited(stage: Usd.Stage, *, only: Sequence[str] = ()) -> tuple[Sdf.Path, ...]:
+def find_edited(stage: Usd.Stage, *, only: Sequence[str] = ()) -> tuple[tuple[Sdf.Path, ...], tuple[str, ...]]:
     """Find the animations with stacks of edits that make variants; as :func:`find_contacted`.
+
+    Returns
+    -------
+    tuple of Sdf.Path, tuple of str
+        The animations, and why others are left out: those of `only` are all wanted, of all those that have stacks
+        somebody has to play one. Takes of a library may well have stacks that come along with a reference.
 
     Raises
     ------
@@ -114,7 +120,22 @@ def find_edited(stage: Usd.Stage, *, only: Sequence[str] = ()) -> tuple[Sdf.Path
     for path in found:
         if not read_stacks(stage.GetPrimAtPath(path)).variants:
             raise StageError(f"{path} has no stack of edits", expected=EDIT_STACK_API, fix=fix)
-    return found
+    return (found, ()) if only else _leave_out_unplayed(stage, found)
+
+
+def _leave_out_unplayed(
+    stage: Usd.Stage, animations: Sequence[Sdf.Path]
+) -> tuple[tuple[Sdf.Path, ...], tuple[str, ...]]:
+    refused = dict[Sdf.Path, StageError]()
+    for path in animations:
+        try:
+            find_characters(stage, [path])
+        except StageError as error:
+            refused[path] = error
+    if len(refused) == len(animations):
+        raise next(iter(refused.values()))
+    played = tuple(path for path in animations if path not in refused)
+    return played, tuple(f"{path} is left out: {error.message}" for path, error in refused.items())
 
 
 def _find(

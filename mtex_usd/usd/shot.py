@@ -10,8 +10,10 @@ from mtex_usd import edit
 from mtex_usd.constraints.planting import Hold, JointRange
 from mtex_usd.constraints.retargeting import FittedTake
 from mtex_usd.edit.stack.edit import ContactFinder, Edit
+from mtex_usd.edit.stack.others import put_on_joints
 from mtex_usd.errors import StageError
 from mtex_usd.motion.clip import Clip
+from mtex_usd.motion.correspondence import keep_joints
 from mtex_usd.motion.timing import resample_clip
 from mtex_usd.texture.recipe import Recipe
 from mtex_usd.usd.animation import AnimationSamples
@@ -169,4 +171,16 @@ def _edit_takes(takes: tuple[FittedTake, ...], edits: Sequence[Edit]) -> tuple[F
     """Make a sketch's edits of its takes, which are on its joints by now."""
     if not edits:
         return takes
-    return tuple(replace(take, clip=edit.run_stack(take.clip, edits).clip) for take in takes)
+    return tuple(replace(take, clip=_run_on(take.clip, edits)) for take in takes)
+
+
+def _run_on(take: Clip, edits: Sequence[Edit]) -> Clip:
+    """Run edits on a take that may lack joints of the sketch, which those of the other motions are."""
+    fitted = [replace(each, others=tuple(_bring_onto(take, other) for other in each.others)) for each in edits]
+    return edit.run_stack(take, fitted).clip
+
+
+def _bring_onto(take: Clip, other: Clip) -> Clip:
+    if set(take.joints) < set(other.joints):
+        other = keep_joints(other, [other.joints.index(joint) for joint in take.joints])
+    return put_on_joints(other, take)

@@ -27,6 +27,7 @@ __all__ = [
     "build_thin_root",
     "find_stacked",
     "read_root_metadata",
+    "relative_path",
     "thin_root_path",
 ]
 
@@ -214,15 +215,24 @@ def _stack(root: Sdf.Layer, out: Path, shot: str) -> None:
     below = next(known, earlier_shot)
     if below is None:
         below = len(stacked)
-        root.subLayerPaths.append(_relative(shot, out))
-    root.subLayerPaths[below] = _relative(shot, out)
+        root.subLayerPaths.append(relative_path(shot, out))
+    root.subLayerPaths[below] = relative_path(shot, out)
     if override is None:
-        root.subLayerPaths.insert(below, _relative(str(out), out))
+        root.subLayerPaths.insert(below, relative_path(str(out), out))
     else:
-        root.subLayerPaths[override] = _relative(str(out), out)
+        root.subLayerPaths[override] = relative_path(str(out), out)
 
 
-def _relative(target: str, beside: Path) -> str:
+def relative_path(target: str, beside: Path) -> str:
+    """Give how a layer names another one: relative to its own folder, as far as there is one drive.
+
+    Parameters
+    ----------
+    target
+        The file to be named.
+    beside
+        The layer that names it.
+    """
     folder = os.path.abspath(beside.parent)  # noqa: PTH100 (Path.resolve would follow links, which anchoring does not)
     try:
         relative = os.path.relpath(os.path.abspath(target), folder)  # noqa: PTH100

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Keys", "build_variant", "keep_unchanged"]
 
+_ARRAYS = ("rotations", "translations", "scales")
+
 Keys = Union["ReducedKeys", "ReducedPoses"]
 """A motion by few keys."""
 
@@ -77,12 +79,8 @@ def keep_unchanged(samples: AnimationSamples, before: Clip, after: Clip) -> Anim
     """
     if not _same_frames(before, after):
         return from_clip(after, samples)
-    changed = [
-        j
-        for j in range(len(after.joints))
-        if (after.rotations[:, j] != before.rotations[:, j]).any()
-        or (after.translations[:, j] != before.translations[:, j]).any()
-    ]
+    pairs = [(getattr(before, name), getattr(after, name)) for name in _ARRAYS]
+    changed = [j for j in range(len(after.joints)) if any((one[:, j] != two[:, j]).any() for one, two in pairs)]
     added = tuple(after.joints[j] for j in changed if after.joints[j] not in samples.joints)
     return _put(add_joints(samples, added, after.skeleton), after, changed)
 
@@ -92,8 +90,8 @@ def _same_frames(before: Clip, after: Clip) -> bool:
 
 
 def _put(samples: AnimationSamples, clip: Clip, joints: list[int]) -> AnimationSamples:
-    rotations, translations = np.array(samples.rotations), np.array(samples.translations)
-    for j in joints:
-        column = samples.joints.index(clip.joints[j])
-        rotations[:, column], translations[:, column] = clip.rotations[:, j], clip.translations[:, j]
-    return replace(samples, rotations=rotations, translations=translations)
+    columns = [samples.joints.index(clip.joints[j]) for j in joints]
+    arrays = {name: np.array(getattr(samples, name)) for name in _ARRAYS}
+    for name, array in arrays.items():
+        array[:, columns] = getattr(clip, name)[:, joints]
+    return replace(samples, **arrays)  # type: ignore[arg-type]

@@ -3,6 +3,7 @@
 import json
 import os
 import subprocess
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -90,14 +91,32 @@ def played(blender: str, tmp_path_factory: pytest.TempPathFactory) -> dict[tuple
     for shot in SHOTS:
         folder = tmp_path_factory.mktemp(shot)
         (result,) = mtex_usd.process(PROJECT / "sample_stages" / f"{shot}.usda", out=folder / f"{shot}.mtex.usd")
-        stages = {variant: write_selection(result.stage, variant) for variant in VARIANTS}
-        frames = choose_frames(result.stage)
-        bones = run_blender(blender, frames, list(stages.values()))
-        for variant, stage_path in stages.items():
-            expected, names, height = play_usd(stage_path, frames)
-            poses = bones[str(stage_path)]["Humanoid"]
-            shown = np.array([[poses[str(frame)][name] for name in names] for frame in frames])
-            found[shot, variant] = Played(expected, shown, height)
+        for variant, shown in play_variants(blender, result.stage, VARIANTS).items():
+            found[shot, variant] = shown
+    return found
+
+
+@pytest.fixture(scope="module")
+def edited(blender: str, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Played]:
+    """Run the stacks of edits of a shot, one of them five edits long, and play what they make."""
+    out = tmp_path_factory.mktemp("edits") / "edits.edit.usd"
+    results = mtex_usd.apply_edits(PROJECT / "sample_stages" / "edits.usda", out=out)
+    lengths = {result.variant: len(result.custom_data["edits"]) for result in results}
+    assert lengths == {"edited": 5, "endless": 2, "keyed": 1, "livelier": 1}
+    return play_variants(blender, results[0].stage, ("original", *lengths))
+
+
+def play_variants(interpreter: str, thin_root: Path, variants: Sequence[str]) -> dict[str, Played]:
+    """Play variants in one Blender process and through UsdSkel."""
+    stages = {variant: write_selection(thin_root, variant) for variant in variants}
+    frames = choose_frames(thin_root)
+    bones = run_blender(interpreter, frames, list(stages.values()))
+    found = {}
+    for variant, stage_path in stages.items():
+        expected, names, height = play_usd(stage_path, frames)
+        poses = bones[str(stage_path)]["Humanoid"]
+        shown = np.array([[poses[str(frame)][name] for name in names] for frame in frames])
+        found[variant] = Played(expected, shown, height)
     return found
 
 
@@ -134,3 +153,21 @@ def test_blender_shows_the_selected_variant(played: dict[tuple[str, str], Played
 def test_the_character_moves(played: dict[tuple[str, str], Played], shot: str) -> None:
     found = played[shot, "path_01"]
     assert np.ptp(found.shown - found.shown[:, :1], axis=0).max() > 0.1 * found.height
+
+
+@pytest.mark.parametrize("variant", ["original", "edited", "endless", "keyed", "livelier"])
+def test_edited_bones_are_where_usdskel_puts_them(edited: dict[str, Played], variant: str) -> None:
+    found = edited[variant]
+    assert found.expected.shape == found.shown.shape
+    assert len(found.expected) == FRAMES
+    distance = np.linalg.norm(found.shown - found.expected, axis=-1)
+    assert distance.max() < TOLERANCE * found.height
+
+
+def test_blender_shows_the_edits(edited: dict[str, Played]) -> None:
+    """Every version is another motion than the one that was edited; the one of few keys is within 5 mm of it."""
+    original = edited["original"]
+    for variant in ("edited", "endless", "livelier"):
+        assert np.abs(edited[variant].shown - original.shown).max() > 0.05
+    reduced = np.linalg.norm(edited["keyed"].shown - original.shown, axis=-1)
+    assert 1e-4 < reduced[:8].max() < 0.005

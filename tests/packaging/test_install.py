@@ -17,6 +17,10 @@ PLUGIN_FILES = {
     "mtex_usd/_plugins/schemas/generatedSchema.usda",
     "mtex_usd/_plugins/schemas/plugInfo.json",
     "mtex_usd/_plugins/schemas/schema.usda",
+    *(
+        f"mtex_usd/_plugins/pxr_plugin/usdview/{module.name}"
+        for module in (PROJECT / "pxr_plugin" / "usdview").glob("*.py")
+    ),
 }
 KNOWN = "from pxr import Usd; print(bool(Usd.SchemaRegistry().FindAppliedAPIPrimDefinition('MtexSketchAPI')))"
 
@@ -103,6 +107,16 @@ def test_editable_install_uses_the_checkout(editable: Installation) -> None:
     assert Path(editable.run("usdmtex", "--print-plugin-path").strip()) == PROJECT / "pxr_plugin"
 
 
-@pytest.mark.parametrize("program", ["usdmtex", "usdmtex-import"])
+def test_the_usdview_plugin_is_where_usdview_looks_for_it(installation: Installation) -> None:
+    printed = installation.run("usdmtex", "--print-plugin-path").strip()
+    # Found by name, as usdview does; it is loaded there, where there is Qt.
+    code = "import mtex_usd.usdview, importlib.util as u; print(u.find_spec('mtex_usd.usdview.container').origin)"
+    assert Path(installation.run("python", "-c", code).strip()).parent == Path(printed) / "usdview"
+
+
+PROGRAMS = ["usdmtex", "usdmtex-conform", "usdmtex-edit", "usdmtex-import", "usdmtex-suggest"]
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
 def test_programs_explain_themselves(installation: Installation, program: str) -> None:
     assert f"usage: {program}" in installation.run(program, "--help").lower()

@@ -102,6 +102,8 @@ def run_displace(clip: Clip, edit: Edit) -> Clip:
     said = [name for name in ("rotations", "translations") if name in edit.settings]
     if bool(edit.others) == bool(said):
         raise edit.fail("no change, or two", expected="either with, or rotations and translations")
+    if not len(edit.settings["keys"]):
+        raise edit.fail("no key", expected="time codes in keys")
     keys = _changes_to(clip, edit) if edit.others else _changes_said(clip, edit)
     scope = edit.settings.get("scope")
     frames = None if scope is None else (scope[0] * clip.rate, scope[1] * clip.rate)
@@ -121,6 +123,8 @@ def _changes_said(clip: Clip, edit: Edit) -> list[PoseChange]:
     joints, frames = edit.settings.get("channels", ()), edit.frames("keys", clip)
     if not joints:
         raise edit.fail("no joint is named", expected="joints in channels")
+    if len(set(joints)) < len(joints):
+        raise edit.fail("a joint is named twice", expected="every joint of channels once", found=", ".join(joints))
     tables = {}
     for name in ("rotations", "translations"):
         values = np.asarray(edit.settings.get(name, ()), dtype=np.float64)
@@ -131,7 +135,7 @@ def _changes_said(clip: Clip, edit: Edit) -> list[PoseChange]:
     return [
         PoseChange(
             frame=float(frame),
-            **{name: dict(zip(joints, table[i], strict=True)) for name, table in tables.items() if len(table)},
+            **{name: dict(zip(joints, table[i].tolist(), strict=True)) for name, table in tables.items() if len(table)},
         )
         for i, frame in enumerate(frames)
     ]

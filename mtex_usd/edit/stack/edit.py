@@ -13,14 +13,15 @@ from mtex_usd.motion.clip import Clip
 if TYPE_CHECKING:
     from mtex_usd.edit.keys import ReducedKeys, ReducedPoses
 
-__all__ = ["ContactFinder", "Edit", "Outcome"]
+__all__ = ["WHOLE_FRAME", "ContactFinder", "Edit", "Outcome", "to_frames"]
 
 FloatArray = npt.NDArray[np.float64]
 
 ContactFinder = Callable[[Clip, str], Sequence[int]]
 """Gives the frames of a clip at which contacts begin and end, for ``detect`` or ``declared``."""
 
-_WHOLE_FRAME = 1e-6  # of a frame: how near to a frame a time code has to be where only frames will do
+WHOLE_FRAME = 1e-6
+"""How near to a frame a time code has to be where only frames will do, frames: layer offsets and scales round."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -83,7 +84,7 @@ class Edit:
         """
         frames = self.frames(name, clip)
         near = np.round(frames)
-        bad = (np.abs(frames - near) > _WHOLE_FRAME) | (near < 0) | ((near >= clip.frame_count) & (not beyond))
+        bad = (np.abs(frames - near) > WHOLE_FRAME) | (near < 0) | ((near >= clip.frame_count) & (not beyond))
         if bad.any():
             time_codes = clip.time_codes
             raise self.fail(

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mtex_usd.edit.mixing import average_rotations
-from mtex_usd.edit.stack.edit import Edit
+from mtex_usd.edit.stack.edit import WHOLE_FRAME, Edit, to_frames
 from mtex_usd.motion.clip import Clip
 from mtex_usd.texture.roles import ramp
 
@@ -35,20 +35,26 @@ def span_weights(edit: Edit, clip: Clip) -> FloatArray | None:
     Raises
     ------
     InputError
-        For a span without frames.
+        For a span without frames, and a fade that is far too long.
     """
     if "start" not in edit.settings and "end" not in edit.settings:
         return None
     start, end = (edit.settings.get(name, default) for name, default in (("start", -np.inf), ("end", np.inf)))
-    inside = (clip.time_codes >= start) & (clip.time_codes <= end)
+    frames = np.arange(clip.frame_count)
+    first, last = (float(to_frames(np.array(time), clip)) for time in (start, end))
+    inside = (frames >= first - WHOLE_FRAME) & (frames <= last + WHOLE_FRAME)
     if not inside.any():
         raise edit.fail(
             "there is no frame in its span",
             expected=f"a start and an end within {clip.time_codes[0]:g} to {clip.time_codes[-1]:g}",
             found=f"{start:g} to {end:g}",
         )
-    frames = round(edit.settings.get("ramp", _RAMP_S) * clip.rate)
-    return ramp(inside.astype(np.float64)[:, None], frames)[:, 0]
+    ramp_s, longest = edit.settings.get("ramp", _RAMP_S), 2.0 * clip.frame_count / clip.rate
+    if ramp_s > max(longest, _RAMP_S):
+        expected = f"at most {longest:g} s, twice the length of the motion"
+        raise edit.fail("the fade is longer than the motion can fill", expected=expected, found=f"{ramp_s:g} s")
+    ramp_frames = round(ramp_s * clip.rate)
+    return ramp(inside.astype(np.float64)[:, None], ramp_frames)[:, 0]
 
 
 def limit_to_span(edit: Edit, before: Clip, after: Clip) -> Clip:

@@ -1,6 +1,7 @@
 """MtexEditAPI and MtexEditStackAPI: edits of a motion, and which of them are made in what order."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -39,7 +40,8 @@ EDIT_STACK_API = "MtexEditStackAPI"
 EDITS_PROPERTY = "mtex:edits"
 
 _EDITED = "edited"  # the variant of mtex:edits itself
-_RESERVED = ("original", _EDITED)
+_RESERVED = ("original", _EDITED, "constrained")
+_OF_TEXTURING = re.compile(r"path_\d+")  # layers of several commands share a variant set where they are stacked
 _BEFORE, _AFTER = "before", "after"
 
 
@@ -53,12 +55,14 @@ def _all_finite(value: Any) -> bool:
 
 _POSITIVE = Rule(lambda value: math.isfinite(value) and value > 0.0, "a finite number above 0")
 _NOT_NEGATIVE = Rule(lambda value: math.isfinite(value) and value >= 0.0, "a finite number, at least 0")
-_NUMBER = Rule(math.isfinite, "a finite number")
 _NUMBERS = Rule(_all_finite, "finite numbers")
 _TIMES = Rule(_all_finite, "finite time codes")
 _DURATIONS = Rule(lambda value: _all_finite(value) and min(value) > 0.0, "two numbers of seconds above 0")
 _GAINS = Rule(lambda value: all(gain < math.inf for gain in value), "decibels, -inf to mute")
 _LEVEL = Rule(lambda value: value < math.inf, "decibels, -inf to mute")
+_PART = Rule(lambda value: 0.0 <= value <= 0.5, "a number from 0 to 0.5")
+_ORDER = Rule(lambda value: 1 <= value <= 16, "a whole number from 1 to 16")
+_WHOLE = Rule(lambda value: value >= 1, "a whole number, at least 1")
 _LIMITS = Rule(lambda value: value[0] < value[1], "the lower limit below the upper")
 
 
@@ -73,11 +77,11 @@ _PROPERTIES = (
     _setting("end", TIME_CODE, FINITE),
     _setting("ramp", DOUBLE, _NOT_NEGATIVE),
     _setting("frequencies", DOUBLES, _NUMBERS),
-    _setting("order", INT),
+    _setting("order", INT, _ORDER),
     _setting("gains", DOUBLES, _GAINS),
     _setting("residualGain", DOUBLE, _LEVEL),
     _setting("window", DOUBLE, _POSITIVE),
-    _setting("discard", DOUBLE),
+    _setting("discard", DOUBLE, _PART),
     _setting("points", DOUBLE2S, _NUMBERS),
     _setting("about", TOKEN, _one_of("mean", "rest")),
     _setting("limits", DOUBLE2, _LIMITS),
@@ -91,7 +95,7 @@ _PROPERTIES = (
     _setting("keys", TIME_CODES, _TIMES),
     _setting("align", BOOL),
     _setting("place", TOKEN, _one_of("first", "mean")),
-    _setting("maxSlope", INT),
+    _setting("maxSlope", INT, _WHOLE),
     _setting("band", DOUBLE, _POSITIVE),
     _setting("free", DOUBLE, _NOT_NEGATIVE),
     _setting("joinTime", DOUBLE, _POSITIVE),
@@ -187,10 +191,10 @@ def _variant_name(prim: Usd.Prim, name: str) -> str:
     if name == EDITS_PROPERTY:
         return _EDITED
     variant = name.removeprefix(f"{EDITS_PROPERTY}:")
-    if variant in _RESERVED or ":" in variant:
+    if variant in _RESERVED or _OF_TEXTURING.fullmatch(variant) or ":" in variant:
         raise InputError(
             f"{where(prim, name)} cannot be the name of a stack",
-            expected=f"one name, and none of {', '.join(_RESERVED)}",
+            expected=f"one name, and none of {', '.join(_RESERVED)}, path_01 and on, which other commands make",
             found=variant,
         )
     return variant
@@ -246,10 +250,17 @@ def _read_others(prim: Usd.Prim, name: str) -> tuple[Sdf.Path, ...]:
     targets = relationship.GetForwardedTargets()
     check_dropped(relationship, targets)
     for target in targets:
-        other = prim.GetStage().GetPrimAtPath(target)
-        if not other or not other.IsA("SkelAnimation"):
-            found = (
-                f"{target}, {other.GetTypeName() or 'a typeless prim'}" if other else f"{target}, which is not there"
-            )
+        found = _describe_other(prim.GetStage(), target)
+        if found:
             raise StageError(f"{where(prim, name)} names no animation", expected="SkelAnimations", found=found)
     return tuple(targets)
+
+
+def _describe_other(stage: Usd.Stage, target: Sdf.Path) -> str:
+    """Say what a target is that is no animation; nothing where it is one."""
+    other = stage.GetPrimAtPath(target)
+    if not other:
+        return f"{target}, which is not there"
+    if not other.IsActive():
+        return f"{target}, which is inactive"
+    return "" if other.IsA("SkelAnimation") else f"{target}, {other.GetTypeName() or 'a typeless prim'}"

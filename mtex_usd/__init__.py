@@ -11,7 +11,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from mtex_usd.errors import InputError, MtexError, NoSolutionError, ResultError, StageError
+from mtex_usd.lazy import load_lazily
 from mtex_usd.plugin_path import announce_plugin as _announce_plugin
+from mtex_usd.version import VERSION
 
 if TYPE_CHECKING:
     from mtex_usd.api import (
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
     from mtex_usd.results import EditResult, Fragment, PathVariant, Result, Retarget
     from mtex_usd.suggesting import Suggestion, Suggestions, suggest
 
-__version__ = "0.1.0"
+__version__ = VERSION
 
 __all__ = [
     "Clip",
@@ -63,24 +65,6 @@ __all__ = [
     "write_clip",
 ]
 
-_HOMES = {
-    **dict.fromkeys(
-        (
-            *("FailedFile", "ImportResult", "apply_edits", "constrain", "find_contacts", "import_takes"),
-            *("list_takes", "process", "read_clip", "write_clip"),
-        ),
-        "mtex_usd.api",
-    ),
-    "conform": "mtex_usd.conforming",
-    **dict.fromkeys(("Suggestion", "Suggestions", "suggest"), "mtex_usd.suggesting"),
-    **dict.fromkeys(("EditResult", "Fragment", "PathVariant", "Result", "Retarget"), "mtex_usd.results"),
-    "Clip": "mtex_usd.motion.clip",
-    "Skeleton": "mtex_usd.motion.skeleton",
-}
-
-
-_PACKAGES = ("constraints", "edit")
-
 
 def _register_schemas() -> None:
     if "pxr" in sys.modules:
@@ -94,15 +78,18 @@ with suppress(InputError):
     _register_schemas()
 
 
-def __getattr__(name: str) -> object:
-    """Load a public name from the module it lives in, or a public package."""
-    if name in _PACKAGES:
-        return import_module(f"mtex_usd.{name}")
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
-
-
-def __dir__() -> list[str]:
-    """List the public names without loading them."""
-    return sorted({*globals(), *__all__, *_PACKAGES})
+__getattr__, __dir__ = load_lazily(
+    __name__,
+    {
+        "api": (
+            *("FailedFile", "ImportResult", "apply_edits", "constrain", "find_contacts", "import_takes"),
+            *("list_takes", "process", "read_clip", "write_clip"),
+        ),
+        "conforming": ("conform",),
+        "motion.clip": ("Clip",),
+        "motion.skeleton": ("Skeleton",),
+        "results": ("EditResult", "Fragment", "PathVariant", "Result", "Retarget"),
+        "suggesting": ("Suggestion", "Suggestions", "suggest"),
+    },
+    packages=("constraints", "edit"),
+)

@@ -7,26 +7,24 @@ from typing import Any
 
 from mtex_usd.constraining import constrain, find_contacts
 from mtex_usd.editing import apply_edits
-from mtex_usd.errors import InputError
 from mtex_usd.importing import (
     FailedFile,
     ImportResult,
-    ProgressCallback,
     import_takes,
     list_takes,
-    report_progress,
 )
+from mtex_usd.motion.arguments import as_whole_number
 from mtex_usd.presenting import Presentation, check_presentation, prepare_presentation
 from mtex_usd.processing import finish_job
+from mtex_usd.progress import ProgressCallback, report_progress
 from mtex_usd.results import PathVariant, Result, list_retargets
-from mtex_usd.texture.result import TexturedMotion
-from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_paths, as_whole_number
-from mtex_usd.usd.atomic import check_target
-from mtex_usd.usd.check import check_override
+from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_paths
 from mtex_usd.usd.clip_io import read_clip, write_clip
 from mtex_usd.usd.finished import Finished, build_result, describe_variants
-from mtex_usd.usd.override import ORIGINAL, check_maker, variant_names, write_override
+from mtex_usd.usd.outputs import write_outputs
+from mtex_usd.usd.override import ORIGINAL, check_outputs, variant_names
 from mtex_usd.usd.plugin import registration_status
+from mtex_usd.usd.selection import check_selection
 from mtex_usd.usd.shot import find_cast, read_jobs
 from mtex_usd.usd.source_stage import find_override, open_source
 from mtex_usd.usd.thin_root import thin_root_path
@@ -45,6 +43,9 @@ __all__ = [
     "read_clip",
     "write_clip",
 ]
+
+
+_MAKER = "usdmtex"
 
 
 def process(  # noqa: PLR0913  (one for each option of the command)
@@ -102,6 +103,8 @@ def process(  # noqa: PLR0913  (one for each option of the command)
     StageError
         No recipe, no animation, nothing to bind, or a stronger opinion in the way. Of several sketches those that no
         Skeleton can play are left out, and named in ``Result.left_out``, unless none is left.
+    NoSolutionError
+        Where contacts cannot be held together; nothing is written.
     ResultError
         What was written does not read back as computed.
 
@@ -114,9 +117,7 @@ def process(  # noqa: PLR0913  (one for each option of the command)
     sketches = as_prim_paths(anim, "anim")
     source = open_source(as_file_path(stage_path, "stage"))
     target, thin_root = find_outputs(stage_path, out=out)
-    check_target(target, "override")
-    check_target(thin_root, "stage")
-    check_maker(target, "usdmtex")
+    check_outputs(target, maker=_MAKER)
     asked = Presentation(
         timeline=_optional(timeline, "timeline"),
         report=_optional(report, "report"),
@@ -130,12 +131,12 @@ def process(  # noqa: PLR0913  (one for each option of the command)
         report_progress(progress, done, len(cast.wanted), str(job.character.animation))
         recipe = replace(job.recipe, **overrides)
         finished.append(finish_job(job, recipe))
-        _check_selection(select, finished[-1].motion)
+        names = variant_names(len(finished[-1].motion.variants))
+        check_selection(select, (ORIGINAL, *names), job.character.animation)
     built = [build_result(each) for each in finished]
     write_presentation = prepare_presentation(asked, source, finished)
+    write_outputs(source.stage, built, target, maker=_MAKER, select=select, keep=cast.others, dry_run=dry_run)
     if not dry_run:
-        _, root = write_override(source.stage, built, target, select=select, keep=cast.others)
-        check_override(root, built)
         write_presentation()
     report_progress(progress, len(cast.wanted), len(cast.wanted), "")
     return tuple(_describe(each, target, cast.left_out) for each in finished)
@@ -166,12 +167,6 @@ def _optional(file_path: FilePath | None, name: str) -> Path | None:
 def _recipe_overrides(paths: int | None, candidates: int | None, band: int | None) -> dict[str, Any]:
     given = {"paths": paths, "candidates": candidates, "match_band": band}
     return {name: as_whole_number(value, name, least=1) for name, value in given.items() if value is not None}
-
-
-def _check_selection(select: str | None, motion: TexturedMotion) -> None:
-    names = (ORIGINAL, *variant_names(len(motion.variants)))
-    if select is not None and select not in names:
-        raise InputError(f"{motion.sketch.name} gets no variant {select!r}", expected=f"one of {', '.join(names)}")
 
 
 def _describe(finished: Finished, target: Path, left_out: tuple[str, ...]) -> Result:

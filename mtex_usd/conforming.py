@@ -4,7 +4,6 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from mtex_usd.editorial.placing import place_track
@@ -12,23 +11,24 @@ from mtex_usd.editorial.reading import EditedTimeline, EditedTrack, read_timelin
 from mtex_usd.editorial.records import FrameGrid, SketchPaths, TakeMedia, TimelineHead
 from mtex_usd.editorial.writing import build_timeline
 from mtex_usd.errors import InputError
+from mtex_usd.motion.clip import Clip
 from mtex_usd.processing import finish_job
 from mtex_usd.results import PathVariant, Result, list_retargets
 from mtex_usd.texture.given import texture_given
 from mtex_usd.texture.recipe import Recipe
 from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_paths
-from mtex_usd.usd.atomic import check_target
 from mtex_usd.usd.characters import Character
-from mtex_usd.usd.check import check_override
 from mtex_usd.usd.clip_io import ClipReader
 from mtex_usd.usd.edit_stacks import EditReader
 from mtex_usd.usd.finished import Finished, build_result
 from mtex_usd.usd.names import make_unique_names
-from mtex_usd.usd.override import ORIGINAL, CharacterResult, check_maker, variant_names, write_override
+from mtex_usd.usd.outputs import find_output, write_outputs
+from mtex_usd.usd.override import ORIGINAL, CharacterResult, variant_names
 from mtex_usd.usd.shot import Cast, Job, find_cast, read_jobs
 from mtex_usd.usd.source_stage import SourceStage, open_source
 from mtex_usd.usd.take_files import find_take_file
 from mtex_usd.usd.thin_root import thin_root_path
+from mtex_usd.version import VERSION
 
 __all__ = ["conform", "describe_timeline"]
 
@@ -63,25 +63,19 @@ def describe_timeline(source: SourceStage, finished: Sequence[Finished]) -> str:
     used = {use.take for each in finished for variant in each.motion.variants for use in variant.fragments}
     reader = EditReader(source.stage, ClipReader(source.stage))
     takes = {
-        name: TakeMedia(
-            prim_path=name,
-            file_path=find_take_file(source.stage, name),
-            grid=FrameGrid.of_clip(reader.read_take(source.stage.GetPrimAtPath(name))),
-        )
-        for name in sorted(used)
+        name: _describe_take(source, name, reader.read_take(source.stage.GetPrimAtPath(name))) for name in sorted(used)
     }
     bands = [each.recipe.match_band for each in finished if each.recipe.match_band != each.job.recipe.match_band]
     head = TimelineHead(
-        shot=source.source_path.absolute(), version=_own_version(), options={"band": bands[0]} if bands else {}
+        shot=source.source_path.absolute(), version=VERSION, options={"band": bands[0]} if bands else {}
     )
     return build_timeline(head, [_describe_paths(each) for each in finished], takes)
 
 
-def _own_version() -> str:
-    try:
-        return version("usdmtex")
-    except PackageNotFoundError:
-        return "(not installed)"
+def _describe_take(source: SourceStage, prim_path: str, clip: Clip) -> TakeMedia:
+    return TakeMedia(
+        prim_path=prim_path, file_path=find_take_file(source.stage, prim_path), grid=FrameGrid.of_clip(clip)
+    )
 
 
 def _describe_paths(finished: Finished) -> SketchPaths:
@@ -148,26 +142,14 @@ def conform(
     """
     timeline = read_timeline(as_file_path(timeline_path, "timeline"))
     source = open_source(as_file_path(stage_path, "stage"))
-    target = _find_target(source, out)
+    target = find_output(source, out, word="conform", maker=_MAKER)
     wanted = select_tracks(timeline, (tracks,) if isinstance(tracks, str) else tracks)
     parts, cast = _assign(timeline, wanted, source, as_prim_paths(anim, "anim"), target)
     made = [_conform(job, parts[job.character], source, timeline) for job in read_jobs(source.stage, list(parts))]
     built = [each.result for each in made]
-    if not dry_run:
-        rest = [character for character in cast.wanted if character not in parts]
-        _, root = write_override(source.stage, built, target, maker=_MAKER, select=select, keep=[*cast.others, *rest])
-        check_override(root, built)
+    keep = [*cast.others, *(character for character in cast.wanted if character not in parts)]
+    write_outputs(source.stage, built, target, maker=_MAKER, select=select, keep=keep, dry_run=dry_run)
     return tuple(_describe(each, target) for each in made)
-
-
-def _find_target(source: SourceStage, out: FilePath | None) -> Path:
-    """Give the override layer to write, which has to be writable."""
-    shot = source.source_path
-    target = shot.with_name(f"{shot.stem}.conform.usd") if out is None else as_file_path(out, "out")
-    check_target(target, "override")
-    check_target(thin_root_path(target), "stage")
-    check_maker(target, _MAKER)
-    return target
 
 
 def _assign(
@@ -211,14 +193,7 @@ def _find_character(track: EditedTrack, cast: Cast, timeline: EditedTimeline) ->
 
 
 def _conform(job: Job, tracks: Sequence[EditedTrack], source: SourceStage, timeline: EditedTimeline) -> _Made:
-    takes = {
-        take.clip.name: TakeMedia(
-            prim_path=take.clip.name,
-            file_path=find_take_file(source.stage, take.clip.name),
-            grid=FrameGrid.of_clip(take.clip),
-        )
-        for take in job.takes
-    }
+    takes = {take.clip.name: _describe_take(source, take.clip.name, take.clip) for take in job.takes}
     recipe = job.recipe if timeline.band is None else replace(job.recipe, match_band=timeline.band)
     grid = FrameGrid.of_clip(job.sketch)
     placed = [place_track(track, grid, takes, max_stretch=recipe.max_stretch) for track in tracks]

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from mtex_usd.constraints.contacts import detect_contacts
-from mtex_usd.constraints.planting import Held, Hold, describe_holds, hold_motion, plan_contacts
+from mtex_usd.constraints.planting import Held, Hold, describe_holds, hold_motion, merge_holds, plan_contacts
 from mtex_usd.errors import InputError
 from mtex_usd.motion.clip import Clip
 from mtex_usd.results import EditResult
 from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_paths
 from mtex_usd.usd.atomic import check_target
-from mtex_usd.usd.check import check_override
 from mtex_usd.usd.contact_layer import write_contacts
 from mtex_usd.usd.edited import ContactJob, find_contacted, find_played, read_contact_jobs
-from mtex_usd.usd.override import CharacterResult, check_maker, write_override
+from mtex_usd.usd.outputs import find_output, write_outputs
+from mtex_usd.usd.override import CharacterResult
 from mtex_usd.usd.source_stage import open_source
 from mtex_usd.usd.thin_root import thin_root_path
 from mtex_usd.usd.variant_samples import build_variant
@@ -77,27 +77,17 @@ def constrain(
     if contacts not in ("declared", "detect"):
         raise InputError("cannot constrain so", expected='contacts "declared" or "detect"', found=repr(contacts))
     source = open_source(as_file_path(stage_path, "stage"))
-    target = (
-        source.source_path.with_name(f"{source.source_path.stem}.constrain.usd")
-        if out is None
-        else as_file_path(out, "out")
-    )
-    check_target(target, "override")
-    check_target(thin_root_path(target), "stage")
-    check_maker(target, _MAKER)
+    target = find_output(source, out, word="constrain", maker=_MAKER)
     animations = find_contacted(source.stage, only=as_prim_paths(anim, "anim"))
     done = [_hold(job, contacts) for job in read_contact_jobs(source.stage, animations, contacts, previous=target)]
     built = [_build(each) for each in done]
-    if not dry_run:
-        _, root = write_override(source.stage, built, target, maker=_MAKER, select=select)
-        check_override(root, built)
+    write_outputs(source.stage, built, target, maker=_MAKER, select=select, dry_run=dry_run)
     return tuple(_describe(each, target) for each in done)
 
 
 def _hold(job: ContactJob, contacts: str) -> _Done:
     found = _detect(job.played.clip) if contacts == "detect" else ()
-    said = {hold.joint for hold in job.holds}
-    holds = (*job.holds, *(hold for hold in found if hold.joint not in said))
+    holds = merge_holds(job.holds, found)
     path = job.character.animation
     if not holds:
         raise InputError(f"{path}: no contact was found", expected="feet that stand on the floor for a moment")
@@ -107,7 +97,7 @@ def _hold(job: ContactJob, contacts: str) -> _Done:
 
 def _build(done: _Done) -> CharacterResult:
     played = done.job.played
-    variant = build_variant(played.samples, played.clip, done.held.clip, _describe_holds(done))
+    variant = build_variant(played.samples, played.clip, done.held.clip, _custom_data(done))
     return CharacterResult(character=done.job.character, names=(_VARIANT,), variants=(variant,))
 
 
@@ -115,7 +105,7 @@ def _detect(clip: Clip) -> tuple[Hold, ...]:
     return plan_contacts(detect_contacts(clip), clip)
 
 
-def _describe_holds(done: _Done) -> dict[str, object]:
+def _custom_data(done: _Done) -> dict[str, object]:
     """The variant's ``customData["mtex"]``."""
     return {"edit": _VARIANT, "contacts": describe_holds(done.holds, done.job.played.clip)}
 
@@ -129,7 +119,7 @@ def _describe(done: _Done, target: Path) -> EditResult:
         variantSet=character.variant_set,
         variant=_VARIANT,
         clip=done.held.clip,
-        custom_data=_describe_holds(done),
+        custom_data=_custom_data(done),
         residuals=residuals,
         layer=target,
         stage=thin_root_path(target),
@@ -165,10 +155,7 @@ def find_contacts(stage_path: FilePath, *, out: FilePath, anim: PrimPath | Seque
     check_target(target, "contacts")
     animations = find_played(source.stage, only=as_prim_paths(anim, "anim"))
     jobs = read_contact_jobs(source.stage, animations, "detect", previous=target)
-    found = {
-        job.character.animation: (job.played.clip, plan_contacts(detect_contacts(job.played.clip), job.played.clip))
-        for job in jobs
-    }
+    found = {job.character.animation: (job.played.clip, _detect(job.played.clip)) for job in jobs}
     found = {path: both for path, both in found.items() if both[1]}
     if not found:
         raise InputError("no contact was found", expected="feet that stand on the floor for a moment")

@@ -8,11 +8,10 @@ from mtex_usd import edit
 from mtex_usd.errors import InputError
 from mtex_usd.results import EditResult
 from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_paths
-from mtex_usd.usd.atomic import check_target
-from mtex_usd.usd.check import check_override
 from mtex_usd.usd.edit_stacks import make_contact_finder
 from mtex_usd.usd.edited import StackJob, find_edited, read_stack_jobs
-from mtex_usd.usd.override import ORIGINAL, CharacterResult, check_maker, write_override
+from mtex_usd.usd.outputs import find_output, write_outputs
+from mtex_usd.usd.override import CharacterResult
 from mtex_usd.usd.source_stage import open_source
 from mtex_usd.usd.thin_root import thin_root_path
 from mtex_usd.usd.variant_samples import build_variant
@@ -71,19 +70,11 @@ def apply_edits(
     >>> apply_edits("shot.usda")[0].clip.frame_count  # doctest: +SKIP
     """
     source = open_source(as_file_path(stage_path, "stage"))
-    target = (
-        source.source_path.with_name(f"{source.source_path.stem}.edit.usd") if out is None else as_file_path(out, "out")
-    )
-    check_target(target, "override")
-    check_target(thin_root_path(target), "stage")
-    check_maker(target, _MAKER)
+    target = find_output(source, out, word="edit", maker=_MAKER)
     animations, left_out = find_edited(source.stage, only=as_prim_paths(anim, "anim"))
     done = [_run(job) for job in read_stack_jobs(source.stage, animations, previous=target)]
-    _check_selection(select, done)
     built = [_build(each) for each in done]
-    if not dry_run:
-        _, root = write_override(source.stage, built, target, maker=_MAKER, select=select)
-        check_override(root, built)
+    write_outputs(source.stage, built, target, maker=_MAKER, select=select, dry_run=dry_run)
     results = [_describe(each, name, target) for each in done for name in each.outcomes]
     # To be said once, and so with the first.
     return (replace(results[0], notes=(*left_out, *results[0].notes)), *results[1:])
@@ -110,15 +101,6 @@ def _find_left_behind(job: StackJob, name: str) -> tuple[str, ...]:
     if not (moved and weights and weights.ValueMightBeTimeVarying()):
         return ()
     return (f"blend shapes keep their times: {', '.join(moved)} moves joints alone",)
-
-
-def _check_selection(select: str | None, done: Sequence[_Done]) -> None:
-    for each in done:
-        names = (ORIGINAL, *each.outcomes)
-        if select is not None and select not in names:
-            raise InputError(
-                f"{each.job.character.animation} gets no variant {select!r}", expected=f"one of {', '.join(names)}"
-            )
 
 
 def _build(done: _Done) -> CharacterResult:

@@ -1,7 +1,7 @@
 """Recorded motion of any known format into take libraries."""
 
 import hashlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -11,7 +11,9 @@ from mtex_usd.formats.amc import read_amc
 from mtex_usd.formats.bvh import read_bvh
 from mtex_usd.formats.detect import FileKind, Source, detect_format, find_sources
 from mtex_usd.formats.recording import FormatError, NoMotionError, Recording
-from mtex_usd.usd.arguments import FilePath, as_file_path, as_file_paths, as_number, as_text, as_whole_number
+from mtex_usd.motion.arguments import as_number, as_whole_number
+from mtex_usd.progress import ProgressCallback, report_progress
+from mtex_usd.usd.arguments import FilePath, as_file_path, as_file_paths, as_text
 from mtex_usd.usd.atomic import check_target
 from mtex_usd.usd.clean_recording import clean_recording
 from mtex_usd.usd.take_entries import Provenance, TakeEntry, list_entries, open_library_layer
@@ -22,14 +24,9 @@ __all__ = [
     "CleanedTake",
     "FailedFile",
     "ImportResult",
-    "ProgressCallback",
     "import_takes",
     "list_takes",
-    "report_progress",
 ]
-
-ProgressCallback = Callable[[int, int, str], None]
-"""Called with how many are done, how many there are, and what is next."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -361,12 +358,6 @@ def _hash_file(file_path: Path) -> str:
 
 def _describe_failure(error: FormatError) -> FailedFile:
     return FailedFile(source=error.file_path, line=error.line, reason=error.reason)
-
-
-def report_progress(progress: ProgressCallback | None, done: int, total: int, what: str) -> None:
-    """Tell a caller who wants to know how far a job is."""
-    if progress is not None:
-        progress(done, total, what)
 
 
 def _check_failures(job: _Job, *, strict: bool) -> None:

@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
-from mtex_usd.errors import InputError
+from mtex_usd.files import check_distinct
 from mtex_usd.usd.finished import Finished
 from mtex_usd.usd.source_stage import SourceStage
 
@@ -31,11 +32,6 @@ class Presentation:
     report: Path | None = None
     sheet: Path | None = None
     command: str = ""
-
-    @property
-    def files(self) -> tuple[Path, ...]:
-        """All files asked for."""
-        return tuple(file for file in (self.timeline, self.report, self.sheet) if file is not None)
 
 
 def check_presentation(asked: Presentation, others: Sequence[Path]) -> None:
@@ -66,11 +62,12 @@ def check_presentation(asked: Presentation, others: Sequence[Path]) -> None:
         from mtex_usd.reviewing import check_sheet_target  # noqa: PLC0415
 
         check_sheet_target(asked.sheet)
-    taken = {other.resolve() for other in others}
-    for file in asked.files:
-        if file.resolve() in taken:
-            raise InputError(f"{file} is another file of this run", fix="Choose another name.")
-        taken.add(file.resolve())
+    named = {"timeline": asked.timeline, "review page": asked.report, "contact sheet": asked.sheet}
+    taken = list(others)
+    for what, file_path in named.items():
+        if file_path is not None:
+            check_distinct(file_path, taken, what=what)
+            taken.append(file_path)
 
 
 def prepare_presentation(asked: Presentation, source: SourceStage, finished: Sequence[Finished]) -> Callable[[], None]:
@@ -104,7 +101,7 @@ def _prepare_timeline(file_path: Path, source: SourceStage, finished: Sequence[F
     from mtex_usd.editorial.files import write_timeline_text  # noqa: PLC0415
 
     text = describe_timeline(source, finished)
-    return lambda: write_timeline_text(file_path, text)
+    return partial(write_timeline_text, file_path, text)
 
 
 def _prepare_review(asked: Presentation, source: SourceStage, finished: Sequence[Finished]) -> list[Callable[[], None]]:
@@ -112,4 +109,4 @@ def _prepare_review(asked: Presentation, source: SourceStage, finished: Sequence
 
     review = build_review(finished, title=source.source_path.name, command=asked.command)
     pairs = ((asked.report, write_report), (asked.sheet, write_sheet))
-    return [lambda file=file, write=write: write(review, file) for file, write in pairs if file is not None]  # type: ignore[misc]
+    return [partial(write, review, file_path) for file_path, write in pairs if file_path is not None]

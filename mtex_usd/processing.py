@@ -7,13 +7,23 @@ import numpy as np
 
 from mtex_usd import edit
 from mtex_usd.constraints.contacts import detect_contacts, find_effectors
-from mtex_usd.constraints.planting import Hold, find_limb, held_back, hold_motion, plan_contacts, restore_feet
+from mtex_usd.constraints.planting import (
+    Hold,
+    find_limb,
+    held_back,
+    hold_motion,
+    merge_holds,
+    plan_contacts,
+    restore_feet,
+)
 from mtex_usd.errors import InputError
-from mtex_usd.motion.channels import resolve_channels
+from mtex_usd.motion.channels import Channel, resolve_channels
 from mtex_usd.motion.clip import Clip
 from mtex_usd.texture.engine import texture_motion
+from mtex_usd.texture.reading import choose_root
 from mtex_usd.texture.recipe import Recipe
 from mtex_usd.texture.result import TexturedMotion, Variant
+from mtex_usd.texture.space import goes_along_ground
 from mtex_usd.usd.finished import Finished
 from mtex_usd.usd.shot import Job
 from mtex_usd.usd.variant_samples import Keys
@@ -94,8 +104,7 @@ def _plan(job: Job, recipe: Recipe) -> tuple[Hold, ...]:
     if recipe.contacts == "off":
         return ()
     found = _detect(job.sketch, spare=_synthesized_limbs(job.sketch, recipe)) if recipe.contacts == "detect" else ()
-    said = {hold.joint for hold in job.holds}
-    return (*job.holds, *(hold for hold in found if hold.joint not in said))
+    return merge_holds(job.holds, found)
 
 
 def _detect(clip: Clip, *, spare: Collection[int]) -> tuple[Hold, ...]:
@@ -106,16 +115,29 @@ def _detect(clip: Clip, *, spare: Collection[int]) -> tuple[Hold, ...]:
 
 def _synthesized_limbs(sketch: Clip, recipe: Recipe) -> set[int]:
     """Joints of limbs that are filled in: where those set their feet down, only the result can tell."""
+    filled = _synthesized_channels(sketch, recipe)
+    return {joint for channel in filled for joint in find_limb(sketch.skeleton, channel.joint)}
+
+
+def _synthesized_channels(sketch: Clip, recipe: Recipe) -> tuple[Channel, ...]:
+    """Every channel that is filled in at some time."""
     lists = (recipe.synthesize, *(segment.synthesize or () for segment in recipe.segments))
     tokens = {token for tokens in lists for token in tokens}
-    channels = resolve_channels(sorted(tokens), sketch.joints, source="mtex:synthesize")
-    return {joint for channel in channels for joint in find_limb(sketch.skeleton, channel.joint)}
+    return resolve_channels(sorted(tokens), sketch.joints, source="mtex:synthesize")
+
+
+def _find_carrier(job: Job, recipe: Recipe) -> int | None:
+    """Give the root if its way along the ground is filled in at some time."""
+    root = choose_root(job.sketch, [take.clip for take in job.takes])
+    filled = _synthesized_channels(job.sketch, recipe)
+    up = job.sketch.skeleton.up
+    return root if any(goes_along_ground(channel, root, up) for channel in filled) else None
 
 
 def _hold_variant(variant: Variant, job: Job, recipe: Recipe, holds: Sequence[Hold]) -> tuple[Clip, tuple[Hold, ...]]:
     """Hold one variant's contacts; those of limbs that were filled in are found on the variant itself."""
     filled = _synthesized_limbs(job.sketch, recipe)
-    restored = restore_feet(variant.clip, job.sketch, holds, kept=filled)
+    restored = restore_feet(variant.clip, job.sketch, holds, kept=filled, carrier=_find_carrier(job, recipe))
     own = _detect(restored, spare=set(range(len(job.sketch.joints))) - filled) if recipe.contacts == "detect" else ()
     everything = (*holds, *own)
     return hold_motion(restored, everything, frequency=job.frequency, limits=job.limits).clip, everything

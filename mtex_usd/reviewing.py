@@ -1,13 +1,19 @@
 """From finished sketches to what a director looks at: the review page and the contact sheet."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from mtex_usd.review.files import check_file, write_file
-from mtex_usd.review.page import GENERATOR, build_page
+import numpy as np
+
+from mtex_usd.edit.sampling import sample_clip
+from mtex_usd.files import check_ours, check_place, replace_file
+from mtex_usd.motion.clip import Clip
+from mtex_usd.review.page import PAGE_MARK, build_page
 from mtex_usd.review.sheet import build_sheet
-from mtex_usd.review.sheet_drawing import MAKER
+from mtex_usd.review.sheet_drawing import SHEET_MARK
 from mtex_usd.review.shot import Review, ReviewedCharacter, ReviewedVariant
+from mtex_usd.texture.result import Variant
 from mtex_usd.usd.finished import Finished, describe_variants
 from mtex_usd.usd.override import variant_names
 
@@ -44,11 +50,35 @@ def _gather(finished: Finished) -> ReviewedCharacter:
         takes=tuple(take.clip for take in job.takes),
         key_times=job.samples.sample_times,
         variants=tuple(
-            ReviewedVariant(name=name, motion=variant, custom_data=custom_data, holds=holds)
+            ReviewedVariant(
+                name=name, motion=_at_frames_of(motion.sketch, variant), custom_data=custom_data, holds=holds
+            )
             for name, variant, custom_data, holds in parts
         ),
-        notes=motion.notes,
+        notes=(*motion.notes, *_note_frames(motion.sketch, motion.variants)),
     )
+
+
+def _at_frames_of(sketch: Clip, variant: Variant) -> Variant:
+    """Give what plays at the sketch's frames, which edits made after texturing need not have left as they were."""
+    clip = variant.clip
+    if np.array_equal(clip.time_codes, sketch.time_codes):
+        return variant
+    played = sample_clip(clip, (sketch.time_codes - clip.start) / clip.time_codes_per_frame)
+    step = sketch.time_codes_per_frame
+    shown = replace(played, start=sketch.start, rate=sketch.rate, time_codes_per_frame=step)
+    return replace(variant, clip=shown)
+
+
+def _note_frames(sketch: Clip, variants: Sequence[Variant]) -> list[str]:
+    """Say where a variant has other frames than are shown."""
+    first, last = sketch.time_codes[[0, -1]]
+    spans = dict.fromkeys(tuple(variant.clip.time_codes[[0, -1]]) for variant in variants)
+    return [
+        f"edits after texturing make it {begin:g} to {end:g} long; shown is {first:g} to {last:g}, the sketch's frames"
+        for begin, end in spans
+        if (begin, end) != (first, last)
+    ]
 
 
 def check_report_target(file_path: Path) -> None:
@@ -62,15 +92,20 @@ def check_report_target(file_path: Path) -> None:
     Raises
     ------
     InputError
-        Where the name does not end in .html, the folder is missing or not writable, or the file there is not a review
-        page of ours.
+        Where the name does not end in .html or is a folder's, the folder is missing or not writable, or the file there
+        is not a review page of ours.
     """
-    check_file(file_path, ending=".html", is_ours=_is_page, option="--report")
+    _check(file_path, what="review page", ending=".html", mark=PAGE_MARK)
 
 
-def _is_page(file_path: Path) -> bool:
+def _check(file_path: Path, *, what: str, ending: str, mark: str) -> None:
+    check_place(file_path, what=what, endings=(ending,))
+    check_ours(file_path, what=what, is_ours=lambda path: _is_marked(path, mark))
+
+
+def _is_marked(file_path: Path, mark: str) -> bool:
     with file_path.open("rb") as file:
-        return GENERATOR.encode() in file.read(_HEAD_BYTES)
+        return mark.encode() in file.read(_HEAD_BYTES)
 
 
 def write_report(review: Review, file_path: Path) -> None:
@@ -89,7 +124,7 @@ def write_report(review: Review, file_path: Path) -> None:
         As :func:`check_report_target`, and where the file system refuses.
     """
     check_report_target(file_path)
-    write_file(file_path, build_page(review).encode())
+    replace_file(file_path, build_page(review).encode())
 
 
 def check_sheet_target(file_path: Path) -> None:
@@ -103,15 +138,10 @@ def check_sheet_target(file_path: Path) -> None:
     Raises
     ------
     InputError
-        Where the name does not end in .png, the folder is missing or not writable, or the file there is not a contact
-        sheet of ours.
+        Where the name does not end in .png or is a folder's, the folder is missing or not writable, or the file there
+        is not a contact sheet of ours.
     """
-    check_file(file_path, ending=".png", is_ours=_is_sheet, option="--sheet")
-
-
-def _is_sheet(file_path: Path) -> bool:
-    with file_path.open("rb") as file:
-        return MAKER.encode() in file.read(_HEAD_BYTES)
+    _check(file_path, what="contact sheet", ending=".png", mark=SHEET_MARK)
 
 
 def write_sheet(review: Review, file_path: Path) -> None:
@@ -130,4 +160,4 @@ def write_sheet(review: Review, file_path: Path) -> None:
         As :func:`check_sheet_target`, and where the file system refuses.
     """
     check_sheet_target(file_path)
-    write_file(file_path, build_sheet(review))
+    replace_file(file_path, build_sheet(review))

@@ -1,12 +1,14 @@
 """Which match channels and band to choose for the sketches of a shot, by finding their takes again."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from mtex_usd.errors import InputError
+from mtex_usd.motion.arguments import as_whole_number
 from mtex_usd.motion.channels import Channel, resolve_channels
+from mtex_usd.progress import ProgressCallback, report_progress
 from mtex_usd.texture.suggestion import Choice, Ranked, Task, rank_choices, set_task
-from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_paths, as_whole_number
+from mtex_usd.usd.arguments import FilePath, PrimPath, as_file_path, as_prim_paths
 from mtex_usd.usd.atomic import check_target
 from mtex_usd.usd.recipe_layer import MatchRecipe, check_overridable, write_recipes
 from mtex_usd.usd.shot import Job, find_cast, read_jobs
@@ -16,8 +18,6 @@ __all__ = ["MOST_SUGGESTIONS", "Suggestion", "Suggestions", "suggest"]
 
 MOST_SUGGESTIONS = 10
 """How many suggestions there are unless otherwise asked for."""
-
-Progress = Callable[[int, int, str], None]
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def suggest(
     anim: PrimPath | Sequence[PrimPath] = (),
     top: int = MOST_SUGGESTIONS,
     apply: FilePath | None = None,
-    progress: Progress | None = None,
+    progress: ProgressCallback | None = None,
 ) -> tuple[Suggestions, ...]:
     """Rank match channels and bands for the sketches of a shot.
 
@@ -134,12 +134,11 @@ def suggest(
     return tuple(found.values())
 
 
-def _suggest_one(job: Job, count: int, progress: Progress | None, left_out: tuple[str, ...]) -> Suggestions:
+def _suggest_one(job: Job, count: int, progress: ProgressCallback | None, left_out: tuple[str, ...]) -> Suggestions:
     name = str(job.character.animation)
 
     def report(done: int, total: int, what: str) -> None:
-        if progress is not None:
-            progress(done, total, f"{name}: {what}")
+        report_progress(progress, done, total, f"{name}: {what}")
 
     task = set_task(job.sketch, [take.clip for take in job.takes], job.recipe)
     ranked = rank_choices(task, count=count, report=report)

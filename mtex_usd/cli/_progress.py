@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mtex_usd.api import ProgressCallback
+    from mtex_usd.progress import ProgressCallback
 
 __all__ = ["show_progress"]
 

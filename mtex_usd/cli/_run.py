@@ -8,11 +8,11 @@ import threading
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from importlib.metadata import PackageNotFoundError, version
 
 from mtex_usd.errors import MtexError
+from mtex_usd.version import VERSION
 
-__all__ = ["EXIT_BUG", "EXIT_INTERRUPTED", "EXIT_PIPE", "hold_interrupts", "report_error", "run_command"]
+__all__ = ["EXIT_BUG", "EXIT_INTERRUPTED", "EXIT_PIPE", "hold_interrupts", "report_error", "report_note", "run_command"]
 
 EXIT_BUG = 70
 EXIT_INTERRUPTED = 130
@@ -107,21 +107,19 @@ def report_error(name: str, message: str) -> None:
     print(f"{name}: error: {message}", file=sys.stderr)
 
 
+def report_note(name: str, message: str) -> None:
+    """Print what a user should know on stderr, as ``name: note: message``."""
+    print(f"{name}: note: {message}", file=sys.stderr)
+
+
 def _report_bug(name: str, error: BaseException) -> None:
     report_error(name, f"{type(error).__name__}: {error}")
     traceback.print_exception(error)
     print(
         f"{name}: this is a bug; report it to the project with the command you ran, the lines above, "
-        f"usdmtex {_own_version()} and Python {sys.version.split()[0]}.",
+        f"usdmtex {VERSION} and Python {sys.version.split()[0]}.",
         file=sys.stderr,
     )
-
-
-def _own_version() -> str:
-    try:
-        return version("usdmtex")
-    except PackageNotFoundError:
-        return "(not installed)"
 
 
 def _silence_stdout() -> None:

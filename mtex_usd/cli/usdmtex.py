@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mtex_usd.cli._options import add_anim, add_dry_run, add_output, add_quiet, add_stage, positive
 from mtex_usd.cli._progress import show_progress
-from mtex_usd.cli._run import hold_interrupts, report_error, run_command
+from mtex_usd.cli._run import hold_interrupts, report_error, report_note, run_command
 
 if TYPE_CHECKING:
     from mtex_usd.results import Result, Retarget
@@ -48,12 +49,6 @@ class _PrintPluginPath(argparse.Action):
         parser.exit()
 
 
-def _positive(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"expected a whole number of at least 1, found {text!r}")
-    return int(text)
-
-
 def _build_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=_NAME,
@@ -62,14 +57,8 @@ def _build_parser() -> argparse.ArgumentParser:
         epilog="Exit codes: 0 done; 2 bad usage or input; 3 the stage: no recipe, no animation, blocked by a stronger "
         "opinion; 4 contacts that cannot be held together; 5 the written result did not validate; 70 a bug.",
     )
-    parser.add_argument("stage", type=Path, metavar="STAGE", help="the shot, or the .stage.usda of an earlier run")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="LAYER",
-        help="override layer to write (default: STAGE's name with .mtex.usd)",
-    )
+    add_stage(parser)
+    add_output(parser, "STAGE's name with .mtex.usd")
     _add_recipe_options(parser)
     parser.add_argument(
         "--select",
@@ -78,25 +67,23 @@ def _build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--json", type=Path, metavar="F", help="write the fragment table to F; - for standard output")
     _add_presentation_options(parser)
-    parser.add_argument("--dry-run", action="store_true", help="do everything but write")
+    add_dry_run(parser)
     parser.add_argument(
         "--print-plugin-path", nargs=0, action=_PrintPluginPath, help="print the path for PXR_PLUGINPATH_NAME"
     )
     volume = parser.add_mutually_exclusive_group()
-    volume.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    add_quiet(volume)
     volume.add_argument("-v", "--verbose", action="store_true", help="print every fragment as well")
     return parser
 
 
 def _add_recipe_options(parser: argparse.ArgumentParser) -> None:
+    add_anim(parser, "work on this sketch only")
+    parser.add_argument("--paths", type=positive, metavar="P", help="how many variants, instead of mtex:paths")
     parser.add_argument(
-        "--anim", action="append", default=[], metavar="PRIM", help="work on this sketch only; may be repeated"
+        "--candidates", type=positive, metavar="K", help="matches kept per fragment, instead of mtex:candidates"
     )
-    parser.add_argument("--paths", type=_positive, metavar="P", help="how many variants, instead of mtex:paths")
-    parser.add_argument(
-        "--candidates", type=_positive, metavar="K", help="matches kept per fragment, instead of mtex:candidates"
-    )
-    parser.add_argument("--band", type=_positive, metavar="B", help="match band, instead of mtex:matchBand")
+    parser.add_argument("--band", type=positive, metavar="B", help="match band, instead of mtex:matchBand")
 
 
 def _add_presentation_options(parser: argparse.ArgumentParser) -> None:
@@ -114,7 +101,9 @@ def _process(arguments: argparse.Namespace) -> int:
         from mtex_usd.cli._table import check_json_target, write_json  # noqa: PLC0415
 
     if arguments.json:
-        check_json_target(arguments.json, find_outputs(arguments.stage, out=arguments.output))
+        beside = (arguments.timeline, arguments.report, arguments.sheet)
+        outputs = find_outputs(arguments.stage, out=arguments.output)
+        check_json_target(arguments.json, [*outputs, *(file for file in beside if file is not None)])
     with show_progress("reading the shot", quiet=arguments.quiet) as progress:
         results = process(
             arguments.stage,
@@ -144,9 +133,9 @@ def _report(results: "Sequence[Result]", arguments: argparse.Namespace) -> None:
     """Print notes on stderr, and on stdout what was made, unless the JSON goes there."""
     for result in results:
         for note in result.notes:
-            print(f"{_NAME}: note: {result.anim}: {note}", file=sys.stderr)
+            report_note(_NAME, f"{result.anim}: {note}")
         for retarget in result.retargets:
-            print(f"{_NAME}: note: {result.anim}: {retarget}", file=sys.stderr)
+            report_note(_NAME, f"{result.anim}: {retarget}")
             _report_joints(retarget, arguments)
     if arguments.json == Path("-"):
         return

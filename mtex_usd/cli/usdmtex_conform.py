@@ -1,12 +1,12 @@
 """``usdmtex-conform``: the tracks of an edited timeline made into variants of a shot."""
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mtex_usd.cli._run import hold_interrupts, run_command
+from mtex_usd.cli._options import add_anim, add_dry_run, add_output, add_quiet, add_stage
+from mtex_usd.cli._run import hold_interrupts, report_note, run_command
 
 if TYPE_CHECKING:
     from mtex_usd.results import Result
@@ -45,21 +45,13 @@ def _build_parser() -> argparse.ArgumentParser:
         "written result did not validate; 70 a bug.",
     )
     parser.add_argument("timeline", type=Path, metavar="EDIT", help="the edited timeline (.otio)")
-    parser.add_argument("stage", type=Path, metavar="STAGE", help="the shot, or the .stage.usda of an earlier run")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        metavar="LAYER",
-        help="override layer to write (default: the shot's name with .conform.usd)",
-    )
-    parser.add_argument(
-        "--anim", action="append", default=[], metavar="PRIM", help="tracks of this sketch only; may be repeated"
-    )
+    add_stage(parser)
+    add_output(parser, "the shot's name with .conform.usd")
+    add_anim(parser, "tracks of this sketch only")
     parser.add_argument("--track", action="append", default=[], metavar="NAME", help="this track only; may be repeated")
     parser.add_argument("--select", metavar="VARIANT", help="variant to select: the name of a track, or original")
-    parser.add_argument("--dry-run", action="store_true", help="do everything but write")
-    parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    add_dry_run(parser)
+    add_quiet(parser)
     return parser
 
 
@@ -89,7 +81,7 @@ def _report(results: "Sequence[Result]") -> None:
     """Print notes on stderr, and on stdout what was made."""
     for result in results:
         for note in result.notes:
-            print(f"{_NAME}: note: {result.anim}: {note}", file=sys.stderr)
+            report_note(_NAME, f"{result.anim}: {note}")
     for result in results:
         print(f"{result.anim}\t{result.model}\t{{{result.variantSet}}}")
         for variant in result.variants:

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mtex_usd.cli._run import hold_interrupts, run_command
+from mtex_usd.cli._options import add_anim, add_dry_run, add_output, add_quiet, add_stage
+from mtex_usd.cli._run import hold_interrupts, report_note, run_command
 
 if TYPE_CHECKING:
     from mtex_usd.results import EditResult
@@ -51,27 +52,19 @@ def _build_parser() -> argparse.ArgumentParser:
         "see `%(prog)s constrain --help`.",
         epilog=_EXIT_CODES,
     )
-    _add_stage(parser)
-    _add_output(parser, "STAGE's name with .edit.usd")
+    _add_common(parser)
+    add_output(parser, "STAGE's name with .edit.usd")
     parser.add_argument(
         "--select", metavar="VARIANT", help="variant to select: a stack's name, edited or original (default: as before)"
     )
-    parser.add_argument("--dry-run", action="store_true", help="do everything but write")
+    add_dry_run(parser)
     return parser
 
 
-def _add_stage(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("stage", type=Path, metavar="STAGE", help="the shot, or the .stage.usda of an earlier run")
-    parser.add_argument(
-        "--anim", action="append", default=[], metavar="PRIM", help="work on this animation only; may be repeated"
-    )
-    parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
-
-
-def _add_output(parser: argparse.ArgumentParser, default: str) -> None:
-    parser.add_argument(
-        "-o", "--output", type=Path, metavar="LAYER", help=f"override layer to write (default: {default})"
-    )
+def _add_common(parser: argparse.ArgumentParser) -> None:
+    add_stage(parser)
+    add_anim(parser, "work on this animation only")
+    add_quiet(parser)
 
 
 def _build_constrain_parser() -> argparse.ArgumentParser:
@@ -81,11 +74,11 @@ def _build_constrain_parser() -> argparse.ArgumentParser:
         "least change, as a variant beside the original.",
         epilog=_EXIT_CODES,
     )
-    _add_stage(parser)
-    _add_output(parser, "STAGE's name with .constrain.usd")
+    _add_common(parser)
+    add_output(parser, "STAGE's name with .constrain.usd")
     parser.add_argument("--detect", action="store_true", help="hold the feet that are found on the floor as well")
     parser.add_argument("--select", metavar="VARIANT", help="variant to select: constrained or original")
-    parser.add_argument("--dry-run", action="store_true", help="do everything but write")
+    add_dry_run(parser)
     return parser
 
 
@@ -96,7 +89,7 @@ def _build_contacts_parser() -> argparse.ArgumentParser:
         "to be put among the shot's sublayers and edited.",
         epilog=_EXIT_CODES,
     )
-    _add_stage(parser)
+    _add_common(parser)
     parser.add_argument("-o", "--output", type=Path, metavar="LAYER", required=True, help="layer to write")
     return parser
 
@@ -117,7 +110,7 @@ def _apply_edits(arguments: argparse.Namespace) -> int:
         return 0
     for result in results:
         for note in result.notes:
-            print(f"{_NAME}: note: {result.anim}: {result.variant}: {note}", file=sys.stderr)
+            report_note(_NAME, f"{result.anim}: {result.variant}: {note}")
         times = result.clip.time_codes
         span = f"{times[0]:g} to {times[-1]:g}"
         print(f"{result.anim}\t{result.model}\t{{{result.variantSet}}}\t{result.variant}\t{span}")
@@ -161,7 +154,7 @@ def _find_contacts(arguments: argparse.Namespace) -> int:
     if not arguments.quiet:
         for path in found:
             print(path)
-        print(f"wrote {arguments.output}", file=sys.stdout)
+        print(f"wrote {arguments.output}")
     return 0
 
 

@@ -1,13 +1,13 @@
 """``usdmtex-import``: recorded motions of any known format into a take library."""
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mtex_usd.cli._options import add_quiet
 from mtex_usd.cli._progress import show_progress
-from mtex_usd.cli._run import hold_interrupts, report_error, run_command
+from mtex_usd.cli._run import hold_interrupts, report_error, report_note, run_command
 
 if TYPE_CHECKING:
     from mtex_usd.importing import CleanedTake, ImportResult
@@ -60,7 +60,7 @@ def _build_parser() -> argparse.ArgumentParser:
     _add_reading_options(parser)
     _add_take_options(parser)
     volume = parser.add_mutually_exclusive_group()
-    volume.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    add_quiet(volume)
     volume.add_argument("-v", "--verbose", action="store_true", help="print the skeleton of each take as well")
     return parser
 
@@ -146,7 +146,7 @@ def _report(result: "ImportResult", *, quiet: bool, verbose: bool) -> int:
     for cleaned in () if quiet else result.cleaned:
         _report_cleaning(cleaned)
     for note in () if quiet else result.notes:
-        print(f"{_NAME}: note: {note}", file=sys.stderr)
+        report_note(_NAME, note)
     for failure in result.failures:
         report_error(_NAME, str(failure))
     return _EXIT_SOME_FAILED if result.failures else 0

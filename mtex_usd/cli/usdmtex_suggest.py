@@ -1,13 +1,13 @@
 """``usdmtex-suggest``: which match channels and band to choose, tried out on the takes."""
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mtex_usd.cli._options import add_anim, add_quiet, add_stage, positive
 from mtex_usd.cli._progress import show_progress
-from mtex_usd.cli._run import hold_interrupts, report_error, run_command
+from mtex_usd.cli._run import hold_interrupts, report_error, report_note, run_command
 
 if TYPE_CHECKING:
     from mtex_usd.suggesting import Suggestion, Suggestions
@@ -36,12 +36,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     return run_command(_NAME, lambda: _suggest(arguments))
 
 
-def _positive(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"expected a whole number of at least 1, found {text!r}")
-    return int(text)
-
-
 def _build_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=_NAME,
@@ -50,13 +44,11 @@ def _build_parser() -> argparse.ArgumentParser:
         epilog="Exit codes: 0 done; 2 bad usage or input, as fewer than two takes; 3 the stage: no recipe, no "
         "animation; 70 a bug.",
     )
-    parser.add_argument("stage", type=Path, metavar="STAGE", help="the shot, or the .stage.usda of an earlier run")
-    parser.add_argument(
-        "--anim", action="append", default=[], metavar="PRIM", help="work on this sketch only; may be repeated"
-    )
+    add_stage(parser)
+    add_anim(parser, "work on this sketch only")
     parser.add_argument(
         "--top",
-        type=_positive,
+        type=positive,
         default=_DEFAULT_TOP,
         metavar="N",
         help=f"how many suggestions to print (default: {_DEFAULT_TOP})",
@@ -68,7 +60,7 @@ def _build_parser() -> argparse.ArgumentParser:
         metavar="LAYER",
         help="write the first suggestion into a layer, to be put first among the shot's sublayers",
     )
-    parser.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+    add_quiet(parser)
     return parser
 
 
@@ -117,7 +109,7 @@ def _report(found: "Sequence[Suggestions]", arguments: argparse.Namespace) -> No
     """Print notes on stderr, and on stdout the table and the lines to paste, unless the JSON goes there."""
     for each in found:
         for note in each.notes:
-            print(f"{_NAME}: note: {each.anim}: {note}", file=sys.stderr)
+            report_note(_NAME, f"{each.anim}: {note}")
     if arguments.json == Path("-"):
         return
     for each in found:

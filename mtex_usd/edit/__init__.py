@@ -3,8 +3,9 @@
 They are loaded when they are first used, so that what needs one of them does not wait for all.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from mtex_usd.lazy import load_lazily
 
 if TYPE_CHECKING:
     from mtex_usd.edit.alignment import Alignment, align
@@ -57,32 +58,22 @@ __all__ = [
     "waveshape",
 ]
 
-# Where each public name lives, below this package.
-_HOMES = {
-    **dict.fromkeys(("Alignment", "align"), "alignment"),
-    **dict.fromkeys(("BlendResult", "blend"), "blending"),
-    **dict.fromkeys(("Displacement", "PoseChange", "displace"), "displacement"),
-    **dict.fromkeys(("JoinResult", "join"), "joins"),
-    **dict.fromkeys(("bandpass", "equalize", "highpass", "lowpass"), "filters"),
-    **dict.fromkeys(("KeyCurve", "ReducedKeys", "ReducedPoses", "reduce_keys", "reduce_poses"), "keys"),
-    **dict.fromkeys(("median", "robust_mean"), "robust"),
-    **dict.fromkeys(("make_soft_limits", "waveshape"), "shaping"),
-    "mirror": "mirroring",
-    **dict.fromkeys(("Edit", "Outcome"), "stack.edit"),
-    "run_stack": "stack.run",
-    **dict.fromkeys(("Transition", "find_transition"), "transitions"),
-    **dict.fromkeys(("TimeWarp", "warp_time"), "warping"),
-    **dict.fromkeys(("scale_time", "shift_time"), "timing"),
-}
-
-
-def __getattr__(name: str) -> object:
-    """Load a public name from the module it lives in."""
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
-
-
-def __dir__() -> list[str]:
-    """List the public names without loading them."""
-    return sorted({*globals(), *__all__})
+__getattr__, __dir__ = load_lazily(
+    __name__,
+    {
+        "alignment": ("Alignment", "align"),
+        "blending": ("BlendResult", "blend"),
+        "displacement": ("Displacement", "PoseChange", "displace"),
+        "filters": ("bandpass", "equalize", "highpass", "lowpass"),
+        "joins": ("JoinResult", "join"),
+        "keys": ("KeyCurve", "ReducedKeys", "ReducedPoses", "reduce_keys", "reduce_poses"),
+        "mirroring": ("mirror",),
+        "robust": ("median", "robust_mean"),
+        "shaping": ("make_soft_limits", "waveshape"),
+        "stack.edit": ("Edit", "Outcome"),
+        "stack.run": ("run_stack",),
+        "timing": ("scale_time", "shift_time"),
+        "transitions": ("Transition", "find_transition"),
+        "warping": ("TimeWarp", "warp_time"),
+    },
+)

@@ -2,20 +2,17 @@
 
 import hashlib
 import json
-import os
-import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from mtex_usd.editorial.records import GENERATOR
 from mtex_usd.errors import InputError
+from mtex_usd.files import GENERATOR, check_ours, check_place, replace_file
 
 __all__ = ["check_timeline_target", "parse_timeline", "read_timeline_text", "seal_timeline", "write_timeline_text"]
 
-_ENDING = ".otio"
+_WHAT = "timeline"
 _MOST_LEVELS = 200  # OpenTimelineIO reads by recursion, and crashes where there is no end to it
-_OTHER_NAME = "Choose another name for the timeline."
 
 
 def seal_timeline(text: str) -> str:
@@ -38,41 +35,29 @@ def _digest(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(whole, sort_keys=True).encode()).hexdigest()
 
 
-def check_timeline_target(file_path: Path, others: Sequence[Path] = ()) -> None:
+def check_timeline_target(file_path: Path) -> None:
     """Make sure that a timeline may be written here, before any work is done for it.
 
     Parameters
     ----------
     file_path
         Where :func:`write_timeline_text` is going to write.
-    others
-        Files that the same run is going to write or reads.
 
     Raises
     ------
     InputError
-        Where the name does not end in .otio, the folder is missing or not writable, the name is another file's of the
-        run, or what is there is not a timeline of ours as we wrote it.
+        Where the name does not end in .otio or is a folder's, the folder is missing or not writable, or what is there
+        is not a timeline of ours as we wrote it.
     """
-    if file_path.suffix != _ENDING:
-        raise InputError(f"{file_path} is no timeline name", expected=f"a name ending in {_ENDING}")
-    folder = file_path.parent
-    if not folder.is_dir():
-        raise InputError(f"cannot write {file_path}: there is no folder {folder}", fix="Make it first.")
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise InputError(f"cannot write {file_path}: folder {folder} is not writable")
-    if file_path.resolve() in [other.resolve() for other in others]:
-        raise InputError(f"{file_path} is another file of this run", fix=_OTHER_NAME)
-    if os.path.lexists(file_path):
-        _check_existing(file_path)
-
-
-def _check_existing(file_path: Path) -> None:
-    content = _read_mark(file_path)
-    if content is None:
-        raise InputError(f"{file_path} exists and was not written by {GENERATOR}; it is left alone", fix=_OTHER_NAME)
-    if content["metadata"]["mtex"].get("digest") != _digest(content):
-        raise InputError(f"{file_path} was edited since {GENERATOR} wrote it; it is left alone", fix=_OTHER_NAME)
+    check_place(file_path, what=_WHAT, endings=(".otio",))
+    # Reading a pipe would wait for ever.
+    content = _read_mark(file_path) if file_path.is_file() else None
+    check_ours(file_path, what=_WHAT, is_ours=lambda _: content is not None)
+    if content is not None and content["metadata"]["mtex"].get("digest") != _digest(content):
+        raise InputError(
+            f"{file_path} was edited since {GENERATOR} wrote it; it is left alone",
+            fix="Choose another name for the timeline.",
+        )
 
 
 def _read_mark(file_path: Path) -> dict[str, Any] | None:
@@ -159,21 +144,4 @@ def write_timeline_text(file_path: Path, text: str) -> None:
         As :func:`check_timeline_target`, and where the file system refuses.
     """
     check_timeline_target(file_path)
-    try:
-        _replace(file_path.resolve(), text)
-    except OSError as error:
-        raise InputError(f"cannot write {file_path}: {error.strerror}") from error
-
-
-def _replace(target: Path, text: str) -> None:
-    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        Path(temporary).chmod(0o644)
-        Path(temporary).replace(target)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    replace_file(file_path, text.encode())

@@ -7,10 +7,9 @@ from pathlib import Path
 from mtex_usd.motion.clip import Clip
 from mtex_usd.texture.result import Variant
 
-__all__ = ["FORMAT", "GENERATOR", "FrameGrid", "SketchPaths", "TakeMedia", "TimelineHead", "mark_of"]
+__all__ = ["FORMAT", "FrameGrid", "SketchPaths", "TakeMedia", "TimelineHead", "mark_of"]
 
 # Says in a timeline's metadata["mtex"] that this project wrote it, and in which form.
-GENERATOR = "usdmtex"
 FORMAT = 1
 
 

@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 import opentimelineio as otio
 
 from mtex_usd.editorial.files import seal_timeline
-from mtex_usd.editorial.records import FORMAT, GENERATOR, FrameGrid, SketchPaths, TakeMedia, TimelineHead
+from mtex_usd.editorial.records import FORMAT, FrameGrid, SketchPaths, TakeMedia, TimelineHead
+from mtex_usd.files import GENERATOR
 from mtex_usd.texture.result import FragmentUse, Variant
 
 __all__ = ["build_timeline"]

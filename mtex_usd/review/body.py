@@ -16,6 +16,8 @@ FloatArray = npt.NDArray[np.float64]
 
 _LONGEST_BONE = 0.5  # of the body's height; what is longer ties a figure to its origin
 _SHORTEST_BONE = 0.002
+_MOST_LONG = 0.25  # of the bones; where more are long, as in an arm alone, they are the figure
+_FLATTEST = 0.25  # of its length a figure counts as high, however flat it lies
 _TRAVEL = 0.5  # of the height: who goes less than that far is seen from where the hips face
 _TRAIL_PARTS = ("left.hand", "right.hand", "left.foot", "right.foot")
 _MOST_ENDS = 6
@@ -38,7 +40,7 @@ class Body:
     front
         Level unit vector from which the figure is seen at best, skeleton space, shape [3]: the way it goes or faces.
     height
-        Of the figure at the first frame along up, skeleton units.
+        Of the figure at the first frame along up, skeleton units; of what lies flat, a quarter of its length.
     floor
         Height of the floor along up, skeleton units.
     """
@@ -64,7 +66,7 @@ def describe_body(skeleton: Skeleton, positions: FloatArray) -> Body:
     """
     bones = find_bones(skeleton, positions[0])
     drawn = sorted({joint for bone in bones for joint in bone}) or list(range(len(skeleton.joints)))
-    height = _extent(positions[0, drawn] @ skeleton.up) or 1.0
+    height = _find_height(positions[0, drawn], skeleton.up)
     anatomy = find_anatomy(skeleton)
     return Body(
         bones=bones,
@@ -88,12 +90,18 @@ def find_bones(skeleton: Skeleton, pose: FloatArray) -> tuple[tuple[int, int], .
         Joint positions, skeleton space, shape [J, 3].
     """
     height = _extent(pose @ skeleton.up) or 1.0
-    bones = []
-    for joint, parent in enumerate(skeleton.parents.tolist()):
-        length = float(np.linalg.norm(pose[joint] - pose[parent])) if parent >= 0 else 0.0
-        if _SHORTEST_BONE * height < length < _LONGEST_BONE * height:
-            bones.append((parent, joint))
-    return tuple(bones)
+    lengths = {
+        (parent, joint): float(np.linalg.norm(pose[joint] - pose[parent]))
+        for joint, parent in enumerate(skeleton.parents.tolist())
+        if parent >= 0
+    }
+    bones = [bone for bone, length in lengths.items() if length > _SHORTEST_BONE * height]
+    usual = [bone for bone in bones if lengths[bone] < _LONGEST_BONE * height]
+    return tuple(usual if len(bones) - len(usual) <= _MOST_LONG * len(bones) else bones)
+
+
+def _find_height(points: FloatArray, up: FloatArray) -> float:
+    return max(_extent(points @ up), _FLATTEST * float(np.ptp(points, axis=0).max())) or 1.0
 
 
 def _extent(heights: FloatArray) -> float:

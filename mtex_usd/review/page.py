@@ -8,9 +8,9 @@ from mtex_usd.review.bundle import read_scripts, read_styles
 from mtex_usd.review.character_data import describe_character
 from mtex_usd.review.shot import Review
 
-__all__ = ["GENERATOR", "build_page"]
+__all__ = ["PAGE_MARK", "build_page"]
 
-GENERATOR = '<meta name="generator" content="usdmtex review">'
+PAGE_MARK = '<meta name="generator" content="usdmtex review">'
 
 
 def build_page(review: Review) -> str:
@@ -32,7 +32,7 @@ def build_page(review: Review) -> str:
         "characters": [describe_character(character) for character in review.characters],
     }
     parts = {
-        "generator": GENERATOR,
+        "generator": PAGE_MARK,
         "title": html.escape(review.title),
         "styles": read_styles(),
         "imports": _in_element(read_scripts()),

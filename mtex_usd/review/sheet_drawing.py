@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from PIL.Image import Image
     from PIL.ImageDraw import ImageDraw
 
-__all__ = ["MAKER", "SheetBlock", "SheetRow", "draw_sheet"]
+__all__ = ["SHEET_MARK", "SheetBlock", "SheetRow", "draw_sheet"]
 
 FloatArray = npt.NDArray[np.float64]
 _Colour = tuple[int, int, int]
 
-MAKER = "usdmtex review"
+SHEET_MARK = "usdmtex review"
 
 _INK, _FAINT, _FLOOR, _PAPER = "#1b1f24", "#5a636e", "#d9dde2", "#ffffff"
 _WIDTH, _NARROWEST, _MARGIN, _LABEL = 1600, 900, 24, 190  # pixels
@@ -116,7 +116,7 @@ def _to_png(image: "Image") -> bytes:
     from PIL.PngImagePlugin import PngInfo  # noqa: PLC0415
 
     mark = PngInfo()
-    mark.add_text("Software", MAKER)
+    mark.add_text("Software", SHEET_MARK)
     file = io.BytesIO()
     image.save(file, "PNG", pnginfo=mark, optimize=True)
     return file.getvalue()

@@ -22,7 +22,7 @@ from mtex_usd.texture.joining import join_curves, join_rotations
 from mtex_usd.texture.pyramid import Bands, decompose
 from mtex_usd.texture.reading import Motion
 from mtex_usd.texture.roles import Roles
-from mtex_usd.texture.space import Copied, Space
+from mtex_usd.texture.space import Copied, Space, goes_along_ground
 from mtex_usd.texture.stretching import stretch_cubic
 
 __all__ = ["Finished", "Finisher"]
@@ -204,9 +204,27 @@ class Finisher:
             continued,
             self.join_frames,
             turning=self.space.turning,
-            sliding=self.space.sliding,
+            sliding=self._along_ground,
         )
-        return Copied(rotations, curves)
+        # Where a take's root was in the room it was recorded in means nothing: the way begins where the sketch's does.
+        start = np.where(self.space.sliding, self._own.curves[0] - curves[0], 0.0)
+        return Copied(rotations, curves + start)
+
+    @cached_property
+    def _along_ground(self) -> BoolArray:
+        """Which single curves are the root's way along the ground, shape [C']."""
+        root, up = self.space.root, self.sketch.clip.skeleton.up
+        return np.array([goes_along_ground(channel, root, up) for channel in self.space.single], dtype=np.bool_)
+
+    @cached_property
+    def _way(self) -> IntArray:
+        """Columns that are the root's way along the ground."""
+        return 3 * len(self.space.whole) + np.flatnonzero(self._along_ground)
+
+    @cached_property
+    def _height(self) -> IntArray:
+        """Columns that are the root's height."""
+        return 3 * len(self.space.whole) + np.flatnonzero(self.space.sliding & ~self._along_ground)
 
     def find_continued(self, choice: Sequence[int]) -> BoolArray:
         """Tell whether the two fragments at each join were consecutive in their take, shape [Q - 1].
@@ -281,12 +299,24 @@ class Finisher:
         lowest = max(self.roles.synthesis_band, *(span.texture_bands[1] for span in self.roles.spans))
         own, taken = self.sketch_bands, decompose(path, most=lowest)
         sketch = self.sketch_curves
-        synthesized = self.synthesized
-        result = sketch + synthesized * (taken.at_or_below(self.roles.synthesis_band) - sketch)
+        result = sketch + self._fill_in(taken.at_or_below(self.roles.synthesis_band) - sketch)
         for bands in {span.texture_bands for span in self.roles.spans}:
             detail = taken.sum_of(*bands) - own.sum_of(*bands)
             result += self._texture_weight(bands) * detail
         return np.asarray(result)
+
+    def _fill_in(self, gap: FloatArray) -> FloatArray:
+        """What synthesis adds to the sketch that lies so far from the path, both shape [F, C].
+
+        The root's way along the ground is filled in step by step: where the sketch takes over again it walks on from
+        where the character has got to. Its height is counted from where each stretch of synthesis begins, and comes
+        back to the sketch's floor.
+        """
+        weights, way, height = self.synthesized, self._way, self._height
+        added = weights * gap
+        added[:, way] = _add_up(weights[:, way], gap[:, way])
+        added[:, height] -= weights[:, height] * _at_begin(gap[:, height], weights[:, height] > 0.0)
+        return added
 
     def _texture_weight(self, bands: tuple[int, int]) -> FloatArray:
         """How far each column is textured with some bands at each frame, shape [F, C]."""
@@ -296,6 +326,19 @@ class Finisher:
             self.join_frames,
         )
         return self._free * weights
+
+
+def _add_up(weights: FloatArray, values: FloatArray) -> FloatArray:
+    """Sum of the steps of values, each weighed, from zero on; all of shape [F, C]."""
+    steps = 0.5 * (weights[1:] + weights[:-1]) * np.diff(values, axis=0)
+    return np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(steps, axis=0)])
+
+
+def _at_begin(values: FloatArray, held: BoolArray) -> FloatArray:
+    """What values [F, C] are where each stretch of frames that is held began, shape [F, C]."""
+    frames = np.arange(len(values))[:, None]
+    begins = np.concatenate([held[:1], held[1:] & ~held[:-1]])
+    return np.take_along_axis(values, np.maximum.accumulate(np.where(begins, frames, 0), axis=0), axis=0)
 
 
 def _stretch(copied: Copied, first: float, last: float, frames: int) -> Copied:

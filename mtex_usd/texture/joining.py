@@ -71,7 +71,8 @@ def join_curves(
     turning
         Columns in degrees that are brought to the nearest turn first, shape [C].
     sliding
-        Columns that carry on from where the fragment before ended, whatever their value was (root travel), shape [C].
+        Columns that carry on from where the fragment before ended, whatever their value was (the root's way along the
+        ground), shape [C].
 
     Returns
     -------

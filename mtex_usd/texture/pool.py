@@ -18,7 +18,7 @@ from mtex_usd.texture.pyramid import band_limit, decompose
 from mtex_usd.texture.reading import Motion
 from mtex_usd.texture.recipe import Recipe
 from mtex_usd.texture.roles import Span
-from mtex_usd.texture.space import Space
+from mtex_usd.texture.space import Space, goes_along_ground
 
 __all__ = ["Matching", "Pool", "build_pool"]
 
@@ -144,8 +144,8 @@ def _measure(curves: FloatArray, clip: Motion, space: Space, matching: Matching,
 
 def _travel_columns(clip: Motion, space: Space, match: Sequence[Channel]) -> BoolArray:
     """Columns that say where the root has got to along the ground: only their course within a fragment counts."""
-    up = np.abs(clip.clip.skeleton.up)
-    return np.array([not c.is_rotation and c.joint == space.root and up[c.axis] < 0.5 for c in match], dtype=np.bool_)
+    up = clip.clip.skeleton.up
+    return np.array([goes_along_ground(channel, space.root, up) for channel in match], dtype=np.bool_)
 
 
 def _lay_end_to_end(

@@ -24,10 +24,13 @@ from mtex_usd.motion.clip import Clip
 from mtex_usd.texture.reading import Motion
 from mtex_usd.texture.roles import Roles, Span
 
-__all__ = ["Copied", "Space", "choose_orders"]
+__all__ = ["Copied", "Space", "choose_orders", "goes_along_ground"]
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+
+# An axis nearer to up than this, as a cosine, is the root's height; all others carry some of its way along the ground.
+_UPRIGHT = 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +162,21 @@ class Space:
         result = np.array(sketch.clip.translations)
         result[:, touched] = to_local_translations(offsets[:, touched], sketch.clip.skeleton, joints=touched)
         return result
+
+
+def goes_along_ground(channel: Channel, root: int, up: FloatArray) -> bool:
+    """Tell whether a channel says where the root has got to along the ground.
+
+    Parameters
+    ----------
+    channel
+        Any channel.
+    root
+        Index of the root joint.
+    up
+        Up in skeleton space, shape [3].
+    """
+    return not channel.is_rotation and channel.joint == root and bool(abs(up[channel.axis]) < _UPRIGHT)
 
 
 def _is_whole(joint: int, spans: Sequence[Span]) -> bool:

@@ -1,12 +1,9 @@
-"""Writing layers whole: a temporary file beside the target, synced, then renamed over it.
+"""Writing layers whole, each over nothing but a layer of its own kind.
 
-A reader sees the old file or the new one, never half of one; a failure leaves what stood there. Layers this project
-writes carry ``customLayerData["mtex"]`` with ``generator`` and ``kind``; an existing file without that mark is somebody
-else's work and is never overwritten.
+Layers this project writes carry ``customLayerData["mtex"]`` with ``generator`` and ``kind``; an existing file without
+that mark is somebody else's work and is never overwritten.
 """
 
-import os
-import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +12,7 @@ from typing import Literal, cast
 from pxr import Sdf, Tf, UsdUtils
 
 from mtex_usd.errors import InputError
+from mtex_usd.files import GENERATOR, check_ours, check_place, real_path, replacing
 from mtex_usd.usd.diagnostics import describe_damage, describe_error, find_obstacle
 
 __all__ = ["LayerKind", "check_target", "file_kind", "file_maker", "is_ours", "layer_kind", "mark_layer", "write_layer"]
@@ -32,8 +30,6 @@ _KINDS = {
     "recipe": "a layer of suggested recipes",
 }
 
-_GENERATOR = "usdmtex"
-_OTHER_NAME = "Choose another name for the output."
 _FORMATS = {".usd": "usdc", ".usdc": "usdc", ".usda": "usda"}
 
 
@@ -49,14 +45,14 @@ def mark_layer(layer: Sdf.Layer, kind: LayerKind, *, maker: str = "") -> None:
     maker
         Which command made it, where several make layers of the same kind.
     """
-    mark = {"generator": _GENERATOR, "kind": kind, **({"maker": maker} if maker else {})}
+    mark = {"generator": GENERATOR, "kind": kind, **({"maker": maker} if maker else {})}
     layer.customLayerData = {**layer.customLayerData, "mtex": mark}
 
 
 def layer_kind(layer: Sdf.Layer) -> str:
     """Tell what we wrote a layer as, one of ``LayerKind``; empty for a layer not ours."""
     mark = layer.customLayerData.get("mtex")
-    return str(mark.get("kind", "")) if isinstance(mark, dict) and mark.get("generator") == _GENERATOR else ""
+    return str(mark.get("kind", "")) if isinstance(mark, dict) and mark.get("generator") == GENERATOR else ""
 
 
 def file_kind(file_path: Path) -> str:
@@ -114,33 +110,24 @@ def check_target(file_path: Path, kind: LayerKind) -> None:
         Where the ending is not USD's, the folder is missing or not writable, the name is a folder's, the file there was
         not written by this project or is a layer of another kind, or this process holds unsaved edits of it.
     """
-    if file_path.suffix not in _FORMATS:
-        raise InputError(f"{file_path} is no layer name", expected=f"a name ending in {', '.join(_FORMATS)}")
-    folder = _real_path(file_path).parent
-    if not folder.is_dir():
-        raise InputError(f"cannot write {file_path}: there is no folder {folder}", fix="Make it first.")
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise InputError(f"cannot write {file_path}: folder {folder} is not writable")
-    if file_path.is_dir():
-        raise InputError(f"cannot write {file_path}: it is a folder", expected="a file name")
+    check_place(file_path, what="layer", endings=tuple(_FORMATS))
     if file_path.exists():
         _check_existing(file_path, kind)
-    held = Sdf.Layer.Find(str(_real_path(file_path)))
+    held = Sdf.Layer.Find(str(real_path(file_path)))
     if held and held.dirty:
         raise InputError(f"{file_path} has unsaved edits in this process", fix="Save or reload that layer first.")
 
 
 def _check_existing(file_path: Path, kind: LayerKind) -> None:
     found = layer_kind(_read_existing(file_path))
-    if not found:
-        raise InputError(f"{file_path} exists and was not written by {_GENERATOR}; it is left alone", fix=_OTHER_NAME)
+    check_ours(file_path, what="output", is_ours=lambda _: bool(found))
     if found != kind:
         # A library of takes, say, is ours too and would be lost.
         raise InputError(
             f"{file_path} exists and is left alone",
             expected=f"{_KINDS[kind]} to replace, or no file",
             found=_KINDS.get(found, found),
-            fix=_OTHER_NAME,
+            fix="Choose another name for the output.",
         )
 
 
@@ -158,7 +145,7 @@ def _read_existing(file_path: Path) -> Sdf.Layer:
         found = describe_damage(file_path, cause)
     raise InputError(
         f"{file_path} exists and cannot be read, so that it is left alone",
-        expected=f"a layer that {_GENERATOR} wrote",
+        expected=f"a layer that {GENERATOR} wrote",
         found=found,
         fix="Delete it if nobody needs it, or choose another name for the output.",
     ) from cause
@@ -181,24 +168,17 @@ def write_layer(layer: Sdf.Layer, file_path: Path) -> None:
         As :func:`check_target`, and where the file system refuses.
     """
     check_target(file_path, cast(LayerKind, layer_kind(layer)))
-    target = _real_path(file_path)
-    # The temporary name keeps the suffix (USD picks the format by it) and starts with a dot (file browsers skip it).
-    temporary = target.with_name(f".{target.stem}.{os.getpid()}-{secrets.token_hex(4)}{target.suffix}")
     try:
-        _export(layer, temporary)
-        _sync(temporary)
-        temporary.replace(target)
-        _sync(target.parent)
+        with replacing(file_path) as temporary:
+            _export(layer, temporary)
     except (OSError, Tf.ErrorException) as error:
         raise InputError(f"cannot write {file_path}: {describe_error(error)}") from error
-    finally:
-        temporary.unlink(missing_ok=True)
-    _reload_held(target)
+    _reload_held(real_path(file_path))
 
 
 def _export(layer: Sdf.Layer, file_path: Path) -> None:
     with _without_upgrade_warning():
-        exported = layer.Export(str(file_path), args={"format": _FORMATS[file_path.suffix]})
+        exported = layer.Export(str(file_path), args={"format": _FORMATS[file_path.suffix.lower()]})
     if not exported:
         raise OSError("USD could not export the layer")
 
@@ -217,20 +197,7 @@ def _without_upgrade_warning() -> Iterator[None]:
                 Tf.Warn(diagnostic.commentary)
 
 
-def _sync(file_path: Path) -> None:
-    descriptor = os.open(file_path, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
-
-
 def _reload_held(file_path: Path) -> None:
     held = Sdf.Layer.Find(str(file_path))
     if held:
         held.Reload(force=True)
-
-
-def _real_path(file_path: Path) -> Path:
-    # Through links: replacing the link itself would leave the file it names untouched.
-    return Path(os.path.realpath(file_path))

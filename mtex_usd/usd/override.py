@@ -26,7 +26,7 @@ from mtex_usd.usd.thin_root import ROOT_METADATA, author_metadata, build_thin_ro
 if TYPE_CHECKING:
     from mtex_usd.edit import KeyCurve
 
-__all__ = ["ORIGINAL", "CharacterResult", "VariantSamples", "check_maker", "variant_names", "write_override"]
+__all__ = ["ORIGINAL", "CharacterResult", "VariantSamples", "check_outputs", "variant_names", "write_override"]
 
 ORIGINAL = "original"
 
@@ -91,21 +91,23 @@ def variant_names(count: int) -> tuple[str, ...]:
     return tuple(f"path_{i:0{width}d}" for i in range(1, count + 1))
 
 
-def check_maker(out: Path, maker: str) -> None:
-    """Refuse to replace an override layer that another command made.
+def check_outputs(out: Path, *, maker: str) -> None:
+    """Make sure that a command may write an override layer and its thin root here, before any work is done for it.
 
     Parameters
     ----------
     out
-        Where an override layer is going to be written.
+        Where the override layer is going to be written.
     maker
-        This command.
+        The command.
 
     Raises
     ------
     InputError
-        Where a layer of ours is there that says otherwise.
+        As :func:`mtex_usd.usd.atomic.check_target`, and where another command made the layer that is there.
     """
+    check_target(out, "override")
+    check_target(thin_root_path(out), "stage")
     found = file_maker(out)
     if found and found != maker:
         raise InputError(
@@ -153,9 +155,7 @@ def write_override(
     InputError
         Where `select` names no variant, a file of that name is not ours or cannot be written, or the stage has no file.
     """
-    thin_path = thin_root_path(out)
-    check_target(out, "override")
-    check_target(thin_path, "stage")
+    check_outputs(out, maker=maker)
     selections = read_selections(stage, out, select)
     layer = _build_layer(stage, results, selections)
     mark_layer(layer, "override", maker=maker)
@@ -168,8 +168,8 @@ def write_override(
     _update_selections(root, layer, [*(result.character for result in results), *keep])
     author_metadata(layer, {key: metadata[key] for key in ROOT_METADATA})
     write_layer(layer, out)
-    write_layer(root, thin_path)
-    return out, thin_path
+    write_layer(root, thin_root_path(out))
+    return out, thin_root_path(out)
 
 
 def _build_layer(stage: Usd.Stage, results: Sequence[CharacterResult], selections: Selections) -> Sdf.Layer:

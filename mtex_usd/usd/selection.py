@@ -11,7 +11,28 @@ from mtex_usd.usd.atomic import is_ours
 from mtex_usd.usd.diagnostics import open_layer
 from mtex_usd.usd.thin_root import thin_root_path
 
-__all__ = ["Selections", "read_selections"]
+__all__ = ["Selections", "check_selection", "read_selections"]
+
+
+def check_selection(asked: str | None, names: Sequence[str], prim_path: Sdf.Path) -> None:
+    """Refuse to select a variant that there is not going to be.
+
+    Parameters
+    ----------
+    asked
+        The variant; None where nothing is asked for.
+    names
+        Those there are going to be.
+    prim_path
+        Of the animation or the model, for the message.
+
+    Raises
+    ------
+    InputError
+        Naming what there is.
+    """
+    if asked is not None and asked not in names:
+        raise InputError(f"{prim_path} gets no variant {asked!r}", expected=f"one of {', '.join(names)}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,10 +67,7 @@ class Selections:
         """
         if self.asked is None:
             return self.keep(model, variant_set, names)
-        if self.asked not in names:
-            raise InputError(
-                f"{model} gets no variant {self.asked} to select", expected=f"one of {', '.join(sorted(names))}"
-            )
+        check_selection(self.asked, sorted(names), model)
         return self.asked
 
     def keep(self, model: Sdf.Path, variant_set: str, names: Sequence[str]) -> str:

@@ -6,7 +6,7 @@ from typing import Any
 from mtex_usd.errors import StageError
 from mtex_usd.usd.variants import PathSet, describe_path, selected_path
 
-from .window import fit_tree, guard, load_qt, seek
+from .window import fit_tree, guard, load_qt, make_foot, seek
 
 __all__ = ["FragmentsWindow"]
 
@@ -71,7 +71,7 @@ class FragmentsWindow:
             self._add_rows(head, fragments)
             head.setExpanded(True)
         layout.addWidget(self.tree)
-        layout.addLayout(self._make_foot())
+        layout.addLayout(make_foot(self.dialog, "A click shows the first frame of a fragment."))
         rows = sum(len(fragments) + 2 for fragments in shown.values())
         self.dialog.resize(740, fit_tree(self.tree, rows))
 
@@ -127,15 +127,6 @@ class FragmentsWindow:
         pixmap = self.qt.gui.QPixmap(12, 12)
         pixmap.fill(self.qt.gui.QColor(colour))
         return self.qt.gui.QIcon(pixmap)
-
-    def _make_foot(self) -> Any:
-        foot = self.qt.widgets.QHBoxLayout()
-        foot.addWidget(self.qt.widgets.QLabel("A click shows the first frame of a fragment."))
-        foot.addStretch(1)
-        close = self.qt.widgets.QPushButton("Close")
-        close.clicked.connect(self.dialog.reject)
-        foot.addWidget(close)
-        return foot
 
     def _seek(self, item: Any) -> None:
         time_code = item.data(0, self.qt.core.Qt.UserRole)

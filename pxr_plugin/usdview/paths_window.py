@@ -5,7 +5,7 @@ from typing import Any
 
 from mtex_usd.usd.variants import PathSet, describe_path, list_paths, select_path, selected_path
 
-from .window import fit_tree, guard, load_qt
+from .window import fit_tree, guard, load_qt, make_foot
 
 __all__ = ["PathsWindow"]
 
@@ -35,7 +35,7 @@ class PathsWindow:
             self._add_set(path_set)
         layout = self.qt.widgets.QVBoxLayout(self.dialog)
         layout.addWidget(self.tree)
-        layout.addLayout(self._make_foot())
+        layout.addLayout(make_foot(self.dialog, "A click shows a path. Lower distance is closer to the sketch."))
         rows = sum(len(list_paths(api.stage, each)) + 2 for each in self.sets)
         self.dialog.resize(600, fit_tree(self.tree, rows))
         self.tree.itemClicked.connect(guard(api, lambda item, _: self._choose(item)))
@@ -55,15 +55,6 @@ class PathsWindow:
             if column:
                 tree.headerItem().setTextAlignment(column, self.qt.core.Qt.AlignRight | self.qt.core.Qt.AlignVCenter)
         return tree
-
-    def _make_foot(self) -> Any:
-        foot = self.qt.widgets.QHBoxLayout()
-        foot.addWidget(self.qt.widgets.QLabel("A click shows a path. Lower distance is closer to the sketch."))
-        foot.addStretch(1)
-        close = self.qt.widgets.QPushButton("Close")
-        close.clicked.connect(self.dialog.reject)
-        foot.addWidget(close)
-        return foot
 
     def _add_set(self, path_set: PathSet) -> None:
         head = self.qt.widgets.QTreeWidgetItem(self.tree, [path_set.label])

@@ -17,6 +17,7 @@ __all__ = [
     "guard",
     "keep_window",
     "load_qt",
+    "make_foot",
     "open_window",
     "seek",
     "show_error",
@@ -162,6 +163,31 @@ def fit_tree(tree: Any, rows: int) -> int:
     """
     row_height = int(tree.sizeHintForRow(0))
     return min(90 + (rows + 2) * max(row_height, 16), 700)
+
+
+def make_foot(dialog: Any, text: str) -> Any:
+    """Make the lowest row of a window: what it is for, and Close.
+
+    Parameters
+    ----------
+    dialog
+        The window.
+    text
+        What it is for.
+
+    Returns
+    -------
+    QHBoxLayout
+        To be added to the window's layout.
+    """
+    widgets = load_qt().widgets
+    foot = widgets.QHBoxLayout()
+    foot.addWidget(widgets.QLabel(text))
+    foot.addStretch(1)
+    close = widgets.QPushButton("Close")
+    close.clicked.connect(dialog.reject)
+    foot.addWidget(close)
+    return foot
 
 
 def open_window(name: str) -> Any:

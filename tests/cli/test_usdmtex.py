@@ -122,7 +122,10 @@ def test_an_own_table_is_replaced_and_nothing_else_is(shot_folder: Path, capsys:
     assert len(json.loads(Path("table.json").read_text())["results"][0]["variants"]) == 2
     Path("table.json").write_text('{"version": 1}')
     error = failing(capsys, shot_folder, *arguments, code=2)
-    assert "table.json exists and is not a table of usdmtex. Choose another name for --json." in error
+    assert (
+        "table.json exists and was not written by usdmtex; it is left alone. Choose another name for the table."
+        in error
+    )
 
 
 @pytest.mark.parametrize(
@@ -132,6 +135,8 @@ def test_an_own_table_is_replaced_and_nothing_else_is(shot_folder: Path, capsys:
         (["-o", "same.usda"], "./same.stage.usda"),
         ([], "walk.mtex.usd"),
         ([], "walk.mtex.stage.usda"),
+        (["--report", "walk.html"], "walk.html"),
+        (["--timeline", "walk.otio"], "./walk.otio"),
     ],
 )
 def test_a_layer_and_its_table_are_two_files(
@@ -139,12 +144,12 @@ def test_a_layer_and_its_table_are_two_files(
 ) -> None:
     monkeypatch.delattr(api, "finish_job")  # refused before any work
     error = failing(capsys, shot_folder, "walk.usda", *options, "--json", table, code=2)
-    assert f"{Path(table)} cannot be both a layer and the table. Choose another name for --json." in error
+    assert f"{Path(table)} is another file of this run. Choose another name for the table." in error
 
 
 def test_a_folder_that_is_not_there(shot_folder: Path, capsys: Capture) -> None:
     error = failing(capsys, shot_folder, "walk.usda", "--json", "no/table.json", code=2)
-    assert "cannot write no/table.json; expected an existing folder; found no" in error
+    assert f"cannot write no/table.json: there is no folder {Path('no').resolve()}. Make it first." in error
 
 
 @pytest.mark.parametrize("option", ["--paths", "--candidates", "--band"])

@@ -296,7 +296,7 @@ def test_options_that_name_nothing_are_refused(shot: Path, capsys: Capture) -> N
     assert "has no track path_09; expected one of path_01, path_02" in refused(
         capsys, shot, *arguments, "--track", "path_09"
     )
-    assert "gets no variant path_09 to select" in refused(capsys, shot, *arguments, "--select", "path_09")
+    assert "gets no variant 'path_09'" in refused(capsys, shot, *arguments, "--select", "path_09", "--dry-run")
     assert "cannot take /Nobody as a sketch" in refused(capsys, shot, *arguments, "--anim", "/Nobody")
 
 

@@ -113,6 +113,11 @@ def test_detect_needs_no_declarations(shot_folder: Path, capsys: Capture) -> Non
     assert not Path("walk.constrain.usd").exists()
 
 
+def test_a_variant_that_there_is_not_cannot_be_selected(shot_folder: Path, capsys: Capture) -> None:
+    assert main(["constrain", "walk.usda", "--detect", "--anim", SKETCH, "--select", "path_01", "--dry-run"]) == 2
+    assert f"{SKETCH} gets no variant 'path_01'; expected one of original, constrained" in capsys.readouterr().err
+
+
 def test_a_hand_touches_a_point(shot_folder: Path, capsys: Capture) -> None:
     text = """#usda 1.0
 over "Humanoid" {

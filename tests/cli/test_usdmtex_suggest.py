@@ -132,7 +132,7 @@ def test_segments_that_match_by_themselves_are_named(shot_folder: Path, capsys: 
         (["takes.usda"], 3, "has no recipe"),
         (["shot.usda", "--apply", "walk.usda"], 2, "walk.usda exists and was not written by usdmtex"),
         (["shot.usda", "--apply", "recipe.txt"], 2, "recipe.txt is no layer name"),
-        (["shot.usda", "--apply", "a.usda", "--json", "a.usda"], 2, "cannot be both a layer and the table"),
+        (["shot.usda", "--apply", "a.usda", "--json", "a.usda"], 2, "a.usda is another file of this run"),
         (["shot.usda", "--json", "nowhere/table.json"], 2, "cannot write nowhere/table.json"),
     ],
 )

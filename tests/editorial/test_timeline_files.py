@@ -140,10 +140,8 @@ def test_places_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
         check_timeline_target(tmp_path / "edit.xml")
     with pytest.raises(InputError, match="there is no folder"):
         check_timeline_target(tmp_path / "none" / "edit.otio")
-    with pytest.raises(InputError, match="is another file of this run"):
-        check_timeline_target(tmp_path / "edit.otio", [tmp_path / "a" / ".." / "edit.otio"])
     (tmp_path / "folder.otio").mkdir()
-    with pytest.raises(InputError, match="was not written by usdmtex"):
+    with pytest.raises(InputError, match="it is a folder"):
         check_timeline_target(tmp_path / "folder.otio")
 
 

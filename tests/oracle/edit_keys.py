@@ -101,3 +101,33 @@ def place_joints(parents, rotations, translations):
             places.append(places[parent] + world[parent] @ translations[joint])
             world.append(world[parent] @ matrix)
     return np.array(places)
+
+
+def line_error(values):
+    """The least largest distance of a straight line from values at even steps: half the worst bulge of any three."""
+    count = len(values)
+    bulges = [
+        abs(values[j] - values[i] - (values[k] - values[i]) * (j - i) / (k - i))
+        for i in range(count)
+        for j in range(i + 1, count)
+        for k in range(j + 1, count)
+    ]
+    return max(bulges, default=0.0) / 2.0
+
+
+def fewest_keys(possible, frames):
+    """Fewest keys from the first frame to the last where possible(start, end) tells which stretches there may be."""
+    fewest = [1] + [frames + 1] * (frames - 1)
+    for end in range(1, frames):
+        fewest[end] = 1 + min(fewest[start] for start in range(end) if end - start == 1 or possible(start, end))
+    return fewest[-1]
+
+
+def fit_linear_keys(rotations, frames):
+    """Play the quaternions [F, 4] that linear interpolation between keys makes nearest in the least-squares sense."""
+    count, signs = len(rotations), np.ones(len(rotations))
+    for frame in range(1, count):
+        signs[frame] = signs[frame - 1] * (1.0 if rotations[frame] @ rotations[frame - 1] >= 0.0 else -1.0)
+    hats = np.array([np.interp(np.arange(count), frames, row) for row in np.eye(len(frames))]).T
+    keys = np.linalg.lstsq(hats, rotations * signs[:, None], rcond=None)[0]
+    return play_rotations(frames, keys / np.linalg.norm(keys, axis=1, keepdims=True), np.arange(count))

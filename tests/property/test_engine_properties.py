@@ -97,6 +97,7 @@ def test_results_are_sound_and_leave_the_rest_alone(case):
         np.testing.assert_allclose(np.linalg.norm(variant.clip.rotations, axis=-1), 1.0, atol=1e-9)
         np.testing.assert_array_equal(variant.clip.rotations[:, rest], own.rotations[:, rest])
         np.testing.assert_array_equal(variant.clip.translations[:, rest], own.translations[:, rest])
+        np.testing.assert_allclose(variant.clip.translations[0], own.translations[0], atol=1e-9)  # begins in its place
         turning = [i for i, joint in enumerate(JOINTS) if joint in touched(result) and i not in still(result)]
         signs = np.sum(variant.clip.rotations[1:, turning] * variant.clip.rotations[:-1, turning], axis=-1)
         assert np.all(signs >= 0.0)  # readers that blend components see no jump

@@ -12,11 +12,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from mtex_usd.edit.cleaning import CLEANING_STEPS, clean_auto, clean_clip
-from mtex_usd.formats.bvh import read_bvh
-from mtex_usd.motion.clip import Clip
-from mtex_usd.motion.skeleton import Skeleton
+from tests.captures import UNIT_M, load_with_t_pose
 
-UNIT_M = 0.05644
 KNOWN_RUNS = {
     "05_05": [(323, 328), (333, 337)],
     "05_06": [(122, 128), (147, 156)],
@@ -30,26 +27,9 @@ CLEAN = tuple(f"05_{number:02d}" for number in (1, 2, 3, 4, 7, 9, 11, 12)) + tup
 FOOT_STEPS = {"05_05": (329, 381, 865), "05_06": (122, 176), "05_08": (150, 180), "05_10": ()}
 
 
-def load_clip(data_dir, name):
-    recording = read_bvh(data_dir / "cmu_bvh" / name[:2] / f"{name}.bvh")
-    joints = []
-    for joint, parent in zip(recording.names, recording.parents, strict=True):
-        joints.append(joint if parent < 0 else f"{joints[parent]}/{joint}")
-    rest = np.tile(np.eye(4), (len(joints), 1, 1))
-    rest[:, 3, :3] = recording.offsets
-    return Clip(
-        skeleton=Skeleton(joints=tuple(joints), rest=rest, meters_per_unit=UNIT_M),
-        rate=recording.rate,
-        rotations=recording.rotations,
-        translations=recording.translations,
-        scales=np.ones(recording.translations.shape),
-        name=name,
-    )
-
-
 @cache
 def cleaned(data_dir, name):
-    clip = load_clip(data_dir, name)
+    clip = load_with_t_pose(data_dir, name)
     return clip, clean_auto(clip)
 
 

@@ -12,39 +12,16 @@ import pytest
 
 from mtex_usd import read_clip
 from mtex_usd.constraints.contacts import detect_contacts, estimate_ground, find_effectors
-from mtex_usd.formats.bvh import read_bvh
-from mtex_usd.motion.clip import Clip
-from mtex_usd.motion.skeleton import Skeleton
 from mtex_usd.motion.timing import resample_clip
+from tests.captures import UNIT_M, load_capture
 from tests.oracle import contacts as oracle
 
-UNIT_M = 0.05644
 FEET = ("left.heel", "left.toes", "right.heel", "right.toes")
 
 
 @cache
-def load(data_dir, name):
-    """Read a capture, less the frame of the T-pose."""
-    folder = "91_from_amc" if name.startswith("91") else name[:2]
-    recording = read_bvh(data_dir / "cmu_bvh" / folder / f"{name}.bvh")
-    joints = []
-    for joint, parent in zip(recording.names, recording.parents, strict=True):
-        joints.append(joint if parent < 0 else f"{joints[parent]}/{joint}")
-    rest = np.tile(np.eye(4), (len(joints), 1, 1))
-    rest[:, 3, :3] = recording.offsets
-    return Clip(
-        skeleton=Skeleton(joints=tuple(joints), rest=rest, meters_per_unit=UNIT_M),
-        rate=recording.rate,
-        rotations=recording.rotations[1:],
-        translations=recording.translations[1:],
-        scales=np.ones(recording.translations[1:].shape),
-        name=name,
-    )
-
-
-@cache
 def detect(data_dir, name):
-    return detect_contacts(load(data_dir, name))
+    return detect_contacts(load_capture(data_dir, name))
 
 
 def by_effector(contacts):
@@ -72,7 +49,7 @@ def test_plain_steps_have_one_heel_and_one_toe_contact_of_plausible_length(data_
 @pytest.mark.parametrize("name", ["07_01", "91_01", "91_13"])
 def test_nothing_is_planted_in_swing(data_dir, name):
     """No planted point moves faster than 0.6 m/s, measured by plain differences over a twentieth of a second."""
-    clip = load(data_dir, name)
+    clip = load_capture(data_dir, name)
     tracks = {effector.name: _track(clip, effector) for effector in find_effectors(clip.skeleton, clip=clip)}
     for contact in detect(data_dir, name):
         track = tracks[contact.effector.name][contact.first : contact.last + 1] * UNIT_M
@@ -81,13 +58,13 @@ def test_nothing_is_planted_in_swing(data_dir, name):
 
 @pytest.mark.parametrize("name", ["07_01", "91_01"])
 def test_walks_always_have_a_foot_on_the_floor(data_dir, name):
-    clip = load(data_dir, name)
+    clip = load_capture(data_dir, name)
     assert _planted(clip, detect(data_dir, name)).any(axis=1).all()
 
 
 @pytest.mark.parametrize(("name", "flights"), [("09_01", 3), ("09_05", 3)])
 def test_runs_have_flight(data_dir, name, flights):
-    clip = load(data_dir, name)
+    clip = load_capture(data_dir, name)
     planted = _planted(clip, detect(data_dir, name)).any(axis=1)
     assert np.count_nonzero(np.diff(planted.astype(int)) == -1) == flights
     assert 0.3 < 1.0 - planted.mean() < 0.8
@@ -95,7 +72,7 @@ def test_runs_have_flight(data_dir, name, flights):
 
 def test_jumps_leave_the_floor_with_both_feet(data_dir):
     """01_01 jumps and lands at frames 215 to 280 and again and again: both feet off for a quarter of a second."""
-    clip = load(data_dir, "01_01")
+    clip = load_capture(data_dir, "01_01")
     planted = _planted(clip, detect(data_dir, "01_01")).any(axis=1)
     assert not planted[225:270].any()
     assert planted[100:210].all()
@@ -103,7 +80,7 @@ def test_jumps_leave_the_floor_with_both_feet(data_dir):
 
 @pytest.mark.parametrize("name", ["07_01", "07_05", "91_01", "09_01", "01_01"])
 def test_frame_rate_moves_no_border_by_more_than_a_24th(data_dir, name):
-    clip = load(data_dir, name)
+    clip = load_capture(data_dir, name)
     fast, slow = (by_effector(detect_contacts(c)) for c in (clip, resample_clip(clip, 24.0)))
     for effector in FEET:
         a, b = np.array(fast[effector]), 5 * np.array(slow[effector])
@@ -113,7 +90,7 @@ def test_frame_rate_moves_no_border_by_more_than_a_24th(data_dir, name):
 
 @pytest.mark.parametrize("name", ["07_01", "07_05", "09_01", "01_01"])
 def test_five_millimetres_of_noise_change_little(data_dir, name):
-    clip = load(data_dir, name)
+    clip = load_capture(data_dir, name)
     noise = np.random.default_rng(1).normal(0.0, 0.005 / UNIT_M, (clip.frame_count, 3))
     translations = np.array(clip.translations)
     translations[:, 0] += noise
@@ -126,7 +103,7 @@ def test_five_millimetres_of_noise_change_little(data_dir, name):
 
 @pytest.mark.parametrize(("name", "rate"), [("07_01", 120.0), ("91_02", 24.0), ("09_01", 24.0), ("05_02", 120.0)])
 def test_equals_the_slow_twin(data_dir, name, rate):
-    clip = resample_clip(load(data_dir, name), rate)
+    clip = resample_clip(load_capture(data_dir, name), rate)
     effectors = find_effectors(clip.skeleton, clip=clip)
     found = detect_contacts(clip, effectors=effectors)
     tracks = [_track(clip, effector) for effector in effectors]
@@ -143,7 +120,7 @@ def test_equals_the_slow_twin(data_dir, name, rate):
 )
 def test_ground_is_where_the_feet_stand(data_dir, name, low, high):
     """As read off the plots, in metres above the capture's own floor."""
-    clip = load(data_dir, name)
+    clip = load_capture(data_dir, name)
     assert low < estimate_ground(clip, find_effectors(clip.skeleton, clip=clip)) * UNIT_M < high
 
 

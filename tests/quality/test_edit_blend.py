@@ -7,8 +7,8 @@ from mtex_usd.edit import align, blend, find_transition, join, scale_time, warp_
 from mtex_usd.edit.pose_features import common_joints, pose_positions
 from mtex_usd.motion import quaternion
 from mtex_usd.motion.timing import resample_clip
+from tests.captures import load_capture
 from tests.oracle import edit_align as oracle
-from tests.quality.edit_support import load
 
 
 def fastest(*clips):
@@ -19,7 +19,7 @@ def fastest(*clips):
 @pytest.mark.parametrize("rate", [120.0, 24.0])
 @pytest.mark.parametrize("method", ["auto", "blend", "interpolate"])
 def test_from_a_straight_walk_to_a_sad_one_nothing_turns_too_fast(data_dir, rate, method):
-    clip, other = (resample_clip(load(data_dir, name), rate) for name in ("91_02", "91_13"))
+    clip, other = (resample_clip(load_capture(data_dir, name), rate) for name in ("91_02", "91_13"))
     result = join(clip, other, method=method)
     assert result.method == ("interpolate" if method == "interpolate" else "blend")
     assert (fastest(result.clip) <= 1.2 * fastest(clip, other) + 1e-9).all()
@@ -42,7 +42,7 @@ def longest_walk(clip):
 
 def test_in_mid_walk_too(data_dir):
     """Out of one into the other while both walk, at a pace that both have."""
-    clip, other = load(data_dir, "91_02"), load(data_dir, "91_13")
+    clip, other = load_capture(data_dir, "91_02"), load_capture(data_dir, "91_13")
     ranges = longest_walk(clip), longest_walk(other)
     assert all(last - first > 120 for first, last in ranges)
     found = find_transition(clip, other, frames=ranges[0], other_frames=ranges[1])
@@ -56,14 +56,14 @@ def test_in_mid_walk_too(data_dir):
 
 @pytest.mark.parametrize("names", [("07_01", "01_01"), ("07_01", "09_01"), ("05_02", "07_01")])
 def test_between_strangers_nothing_turns_too_fast(data_dir, names):
-    clip, other = (resample_clip(load(data_dir, name), 30.0) for name in names)
+    clip, other = (resample_clip(load_capture(data_dir, name), 30.0) for name in names)
     result = join(clip, other)
     assert (fastest(result.clip) <= 1.2 * fastest(clip, other) + 1e-9).all()
 
 
 @pytest.mark.parametrize("name", ["07_01", "09_01", "91_13"])
 def test_a_closed_loop_goes_on_for_ever(data_dir, name):
-    clip = resample_clip(load(data_dir, name), 60.0)
+    clip = resample_clip(load_capture(data_dir, name), 60.0)
     cycle = join(clip, clip).clip
     long = scale_time(cycle, factor=1.0, frame_count=5 * cycle.frame_count, ends="loop")
     assert (fastest(long) <= 1.2 * fastest(clip) + 1e-9).all()
@@ -71,7 +71,7 @@ def test_a_closed_loop_goes_on_for_ever(data_dir, name):
 
 
 def test_transition_equals_the_slow_twin(data_dir):
-    clip, other = (resample_clip(load(data_dir, name), 12.0) for name in ("07_01", "07_05"))
+    clip, other = (resample_clip(load_capture(data_dir, name), 12.0) for name in ("07_01", "07_05"))
     found = find_transition(clip, other)
     joints = common_joints(clip, other)
     positions = pose_positions(clip, joints.of_clip), pose_positions(other, joints.of_other)
@@ -82,7 +82,7 @@ def test_transition_equals_the_slow_twin(data_dir):
 
 def test_sadder_than_sad(data_dir):
     """Exaggerated by half: the sad walk's head hangs, and hangs more beyond it."""
-    clip, sad = (resample_clip(load(data_dir, name), 30.0) for name in ("91_02", "91_13"))
+    clip, sad = (resample_clip(load_capture(data_dir, name), 30.0) for name in ("91_02", "91_13"))
     sad = warp_time(sad, pairs=align(sad, clip).pairs, frame_count=clip.frame_count)
     names = [joint.rpartition("/")[2].lower() for joint in clip.joints]
     head = names.index("head")

@@ -1,7 +1,6 @@
 """Filters, mirroring and key reduction on the CMU captures, against issue 5's numbers."""
 
 import time
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -19,22 +18,17 @@ from mtex_usd.edit import (
     robust_mean,
     waveshape,
 )
+from mtex_usd.edit.keys.sampled import play_between
 from mtex_usd.edit.mirroring import pair_joints
 from mtex_usd.motion import quaternion
+from tests.benchmarks.key_reduction import GROUPS
+from tests.benchmarks.pose_bound import count_needed_poses
+from tests.captures import load_capture, load_with_t_pose
 from tests.cleaning_support import turn_joint
 from tests.oracle import edit_keys as oracle
-from tests.quality.test_cleaning import load_clip
 
+LEGS_WITHOUT_TOES = ("Hips", "UpLeg", "Leg", "Foot", "LowerBack", "Spine", "Spine1")
 LEGS_AND_SPINE = ("Hips", "UpLeg", "Leg", "Foot", "ToeBase", "Back", "Spine")
-
-
-@cache
-def take(data_dir, name):
-    """A take without its added T-pose."""
-    clip = load_clip(data_dir, name)
-    return replace(
-        clip, rotations=clip.rotations[1:], translations=clip.translations[1:], scales=clip.scales[1:], start=0.0
-    )
 
 
 def speeds(clip):
@@ -51,7 +45,7 @@ def roughness(clip):
 
 
 def test_a_lowpass_at_eight_hertz_takes_noise_and_leaves_the_walk(data_dir):
-    clip = take(data_dir, "07_01")
+    clip = load_capture(data_dir, "07_01")
     calm = lowpass(clip, frequency=8.0)
     assert roughness(calm) < 0.1 * roughness(clip)
     hips = clip.joints.index("Hips")
@@ -60,7 +54,7 @@ def test_a_lowpass_at_eight_hertz_takes_noise_and_leaves_the_walk(data_dir):
 
 
 def test_a_highpass_makes_the_walker_tread_on_the_spot(data_dir):
-    clip = take(data_dir, "07_01")
+    clip = load_capture(data_dir, "07_01")
     still = highpass(clip, frequency=0.3, channels=["Hips.tx", "Hips.tz"])
     travels = [np.ptp(c.translations[:, 0, [0, 2]], axis=0).max() * c.skeleton.meters_per_unit for c in (clip, still)]
     assert travels[0] > 3.0
@@ -68,7 +62,7 @@ def test_a_highpass_makes_the_walker_tread_on_the_spot(data_dir):
 
 
 def test_exaggerated_bands_swing_the_arms_farther(data_dir):
-    clip = take(data_dir, "07_01")
+    clip = load_capture(data_dir, "07_01")
     livelier = equalize(clip, gains=[0.0, 0.0, 0.0, 0.0, 6.0, 6.0], channels=["LeftArm", "RightArm"])
     swings = [np.ptp(c.rotations[:, c.joints.index(path_of(c, "LeftArm"))], axis=0).max() for c in (clip, livelier)]
     assert swings[1] > 1.4 * swings[0]
@@ -80,7 +74,7 @@ def path_of(clip, name):
 
 @pytest.mark.parametrize("edit", [median, robust_mean])
 def test_robust_filters_take_spikes_out_and_stay_near_the_walk(data_dir, edit):
-    clip = take(data_dir, "07_01")
+    clip = load_capture(data_dir, "07_01")
     arm = path_of(clip, "LeftArm")
     spiked = clip
     for frame in (40, 41, 150, 260):
@@ -94,7 +88,7 @@ def test_robust_filters_take_spikes_out_and_stay_near_the_walk(data_dir, edit):
 
 
 def test_a_soft_limit_keeps_the_knee_from_folding(data_dir):
-    clip = take(data_dir, "07_01")
+    clip = load_capture(data_dir, "07_01")
     softened = waveshape(
         clip, points=make_soft_limits(-np.inf, 45.0, softness=10.0), channels=["LeftLeg.rx"], about="rest"
     )
@@ -110,7 +104,7 @@ def test_a_soft_limit_keeps_the_knee_from_folding(data_dir):
 
 @pytest.mark.parametrize("name", ["07_01", "05_01"])
 def test_a_mirrored_walk_is_the_walk_in_the_mirror(data_dir, name):
-    clip = take(data_dir, name)
+    clip = load_capture(data_dir, name)
     mirrored = mirror(clip)
     partners = pair_joints(clip.skeleton)
     reflected = positions(clip)[:, partners] * [-1.0, 1.0, 1.0]
@@ -132,7 +126,7 @@ def share_of(reduced, names):
 
 @cache
 def reduced_walk(data_dir):
-    return reduce_keys(take(data_dir, "07_01"), tolerance_deg=0.5, tolerance_m=0.005)
+    return reduce_keys(load_capture(data_dir, "07_01"), tolerance_deg=0.5, tolerance_m=0.005)
 
 
 def test_curves_of_legs_and_spine_need_less_than_a_seventh_of_the_samples(data_dir):
@@ -142,7 +136,7 @@ def test_curves_of_legs_and_spine_need_less_than_a_seventh_of_the_samples(data_d
 
 
 def test_curves_are_within_the_tolerance_at_sub_frames(data_dir):
-    clip, reduced = take(data_dir, "07_01"), reduced_walk(data_dir)
+    clip, reduced = load_capture(data_dir, "07_01"), reduced_walk(data_dir)
     frames, times = np.arange(clip.frame_count), np.arange(8 * clip.frame_count - 7) / 8.0
     found = reduced.evaluate(per_frame=8)
     expected = [oracle.play_rotations(frames, clip.rotations[:, j], times) for j in range(len(clip.joints))]
@@ -155,30 +149,51 @@ def test_curves_are_within_the_tolerance_at_sub_frames(data_dir):
 
 
 def test_a_jump_from_the_added_t_pose_is_followed_within_the_frame(data_dir):
-    reduced = reduce_keys(load_clip(data_dir, "07_01"))
+    reduced = reduce_keys(load_with_t_pose(data_dir, "07_01"))
     assert reduced.max_degrees <= 0.5
     assert reduced.max_metres <= 0.005
     assert share_of(reduced, LEGS_AND_SPINE) < 0.15
 
 
-def test_poses_of_the_calmed_walk_need_less_than_two_fifths_of_the_frames(data_dir):
-    """What shakes in any joint makes poses of all: the raw capture's fingers and toes leave almost every frame."""
-    clip = lowpass(take(data_dir, "07_01"), frequency=6.0)
-    reduced = reduce_poses(clip)
+def test_poses_of_legs_and_spine_need_less_than_two_fifths_of_the_frames(data_dir):
+    """Hips, legs, feet and back of the raw capture; no method gets below 123 of 316, or 39 %."""
+    clip = load_capture(data_dir, "07_01")
+    reduced = reduce_poses(clip, channels=GROUPS["legs and spine"])
     assert reduced.key_count <= 0.4 * clip.frame_count
+    counted = [joint.rpartition("/")[2].endswith(LEGS_WITHOUT_TOES) for joint in clip.joints]
+    times = np.arange(8 * clip.frame_count - 7) / 8.0
+    found, joints = reduced.evaluate(per_frame=8), np.flatnonzero(counted)
+    expected = play_between(clip, 8)
+    for joint in joints.tolist():
+        turned = oracle.play_rotations(np.arange(clip.frame_count), clip.rotations[:, joint], times)
+        assert oracle.angles_between(turned, found.rotations[:, joint]).max() <= 0.5
+    off = (positions(found) - positions(expected))[:, joints] * clip.skeleton.meters_per_unit
+    assert np.linalg.norm(off, axis=-1).max() <= 0.005
+
+
+def test_poses_of_all_joints_are_hardly_more_than_any_method_needs(data_dir):
+    """What shakes in any joint makes poses of all: the raw capture's fingers and toes leave 82 % of the frames."""
+    clip = load_capture(data_dir, "07_01")
+    assert reduce_poses(clip).key_count <= 1.03 * count_needed_poses(clip.rotations, 0.5)
+
+
+def test_poses_of_the_calmed_walk_need_less_than_a_quarter_of_the_frames(data_dir):
+    clip = lowpass(load_capture(data_dir, "07_01"), frequency=6.0)
+    reduced = reduce_poses(clip)
+    assert reduced.key_count <= 0.25 * clip.frame_count
     assert reduced.max_degrees <= 0.5
     assert reduced.max_metres <= 0.005
 
 
 def test_contact_frames_of_the_walk_are_kept(data_dir):
-    clip = take(data_dir, "07_01")
+    clip = load_capture(data_dir, "07_01")
     reduced = reduce_keys(clip, contact_frames=[60, 130])
     off = positions(reduced.evaluate())[[60, 130]] - positions(clip)[[60, 130]]
     assert np.abs(off).max() < 1e-9
 
 
 def test_reducing_five_seconds_of_dance_takes_about_one(data_dir):
-    clip = take(data_dir, "05_01")
+    clip = load_capture(data_dir, "05_01")
     reduce_keys(clip)
     began = time.process_time()
     reduce_keys(clip)

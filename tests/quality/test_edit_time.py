@@ -10,7 +10,7 @@ from mtex_usd.constraints.kinematics import place_points
 from mtex_usd.edit import TimeWarp, align, blend, join, scale_time, shift_time, warp_time
 from mtex_usd.motion import quaternion
 from mtex_usd.motion.timing import resample_clip
-from tests.quality.edit_support import UNIT_M, load
+from tests.captures import UNIT_M, load_capture
 
 CURVES = {
     "late start": [(0.0, 0.0), (0.3, 0.45), (0.7, 0.65), (1.0, 1.2)],
@@ -22,7 +22,7 @@ CURVES = {
 @pytest.mark.parametrize("rate", [120.0, 24.0])
 @pytest.mark.parametrize("curve", CURVES)
 def test_alignment_finds_a_known_warp_within_a_frame(data_dir, rate, curve):
-    clip = resample_clip(load(data_dir, "07_01"), rate)
+    clip = resample_clip(load_capture(data_dir, "07_01"), rate)
     warp = TimeWarp(np.array(CURVES[curve]) * (clip.frame_count - 1))
     warped = warp_time(clip, pairs=warp.pairs)
     frames = np.arange(warped.frame_count, dtype=float)
@@ -35,7 +35,7 @@ def test_alignment_finds_a_known_warp_within_a_frame(data_dir, rate, curve):
 @pytest.mark.parametrize("rate", [120.0, 24.0])
 def test_there_and_back_is_the_same_motion(data_dir, rate):
     """Slowed and sped up again; warped and back. What is lost is above the highest frequency both can carry."""
-    clip = resample_clip(load(data_dir, "07_01"), rate)
+    clip = resample_clip(load_capture(data_dir, "07_01"), rate)
     slow = scale_time(scale_time(clip, factor=2.0), factor=0.5)
     warp = TimeWarp(np.array(CURVES["hesitation"]) * (clip.frame_count - 1))
     warped = warp_time(warp_time(clip, pairs=warp.pairs), pairs=warp.inverse.pairs)
@@ -47,14 +47,14 @@ def test_there_and_back_is_the_same_motion(data_dir, rate):
 
 
 def test_distances_stay_when_time_is_warped(data_dir):
-    clip = load(data_dir, "07_01")
+    clip = load_capture(data_dir, "07_01")
     warped = warp_time(clip, pairs=np.array(CURVES["late start"]) * (clip.frame_count - 1))
     lengths = [np.linalg.norm(np.diff(each.translations[:, 0], axis=0), axis=1).sum() for each in (clip, warped)]
     assert lengths[1] == pytest.approx(lengths[0], rel=1e-3)
 
 
 def test_a_loop_of_a_walk_goes_on_at_its_pace(data_dir):
-    clip = load(data_dir, "07_01")
+    clip = load_capture(data_dir, "07_01")
     late = shift_time(join(clip, clip).clip, shift_s=1.0, ends="loop")
     steps = [np.linalg.norm(np.diff(each.translations[:, 0, [0, 2]], axis=0), axis=1) for each in (clip, late)]
     assert steps[1].min() > 0.95 * steps[0].min()
@@ -76,7 +76,7 @@ def heights(clip, effectors):
 @pytest.mark.parametrize("rate", [120.0, 24.0])
 def test_marching_in_step(data_dir, rate):
     """Gleicher 2000, figures 15 and 17: one walk's footfalls moved onto another's, then both blended half and half."""
-    clip, other = (resample_clip(load(data_dir, name), rate) for name in ("07_01", "07_02"))
+    clip, other = (resample_clip(load_capture(data_dir, name), rate) for name in ("07_01", "07_02"))
     effectors = find_effectors(clip.skeleton, clip=clip)
     falls, wanted = footfalls(clip, effectors), footfalls(other, effectors)
     wanted = wanted[next(k for k, fall in enumerate(wanted) if fall[1] == falls[0][1]) :]
@@ -99,6 +99,6 @@ def test_marching_in_step(data_dir, rate):
 
 def test_out_of_step_the_feet_hover_and_it_is_noted(data_dir):
     """The same blend without the warp: Gleicher's warning example."""
-    clip = load(data_dir, "07_01")
+    clip = load_capture(data_dir, "07_01")
     late = shift_time(clip, shift_s=0.5)
     assert blend(clip, late, weights=0.5).notes

@@ -1,6 +1,7 @@
 """What people import: one canonical place per name, documented, and quick to come by."""
 
 import inspect
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -40,6 +41,11 @@ def test_functions_are_annotated_and_their_options_have_names(name: str) -> None
         assert parameter.annotation is not inspect.Parameter.empty, parameter
         is_option = parameter.default is not inspect.Parameter.empty
         assert not is_option or parameter.kind is inspect.Parameter.KEYWORD_ONLY, parameter
+
+
+def test_the_version_is_the_packages() -> None:
+    project = Path(__file__).resolve().parents[2] / "pyproject.toml"
+    assert tomllib.loads(project.read_text())["project"]["version"] == mtex_usd.__version__
 
 
 def test_star_import_gives_all() -> None:

@@ -2,11 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
 
+import mtex_usd
 from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import Skeleton
 from tests.synthetic import walk
@@ -14,13 +16,22 @@ from tests.usd.playback import select_variant, skeleton_query
 
 __all__ = [
     "ANIMATION",
+    "BEFORE",
+    "FEW",
     "FRAMES",
+    "HALF",
+    "HEADER",
     "MODEL",
+    "NAMES",
     "OTHER",
     "SKELETON",
+    "STACKS",
+    "angles",
+    "by_variant",
     "declare",
     "play",
     "play_clip",
+    "read",
     "read_custom_data",
     "variants_of",
     "write_animation",
@@ -33,6 +44,56 @@ FloatArray = npt.NDArray[np.float64]
 
 MODEL, SKELETON, ANIMATION, OTHER = "/Hero", "/Hero/Rig", "/Hero/Walk", "/Takes/Other"
 FRAMES = 60
+
+HEADER = "#usda 1.0\n(\n timeCodesPerSecond = {rate}\n framesPerSecond = 24\n metersPerUnit = 0.01\n upAxis = 'Y'\n"
+
+# Three stacks of four edits, one of them with another motion.
+STACKS = """
+    uniform token[] mtex:edits = ["calm", "raise"]
+    uniform token[] mtex:edits:slower = ["slow"]
+    uniform token[] mtex:edits:other = ["half"]
+    uniform token mtex:edit:calm:op = "lowpass"
+    uniform double[] mtex:edit:calm:frequencies = [1.5]
+    uniform token[] mtex:edit:calm:channels = ["*Arm"]
+    uniform token mtex:edit:raise:op = "displace"
+    uniform timecode[] mtex:edit:raise:keys = [30]
+    uniform token[] mtex:edit:raise:channels = ["LeftArm"]
+    uniform double3[] mtex:edit:raise:rotations = [(0, 0, 40)]
+    uniform double2 mtex:edit:raise:scope = (0.5, 0.5)
+    uniform token mtex:edit:slow:op = "scaleTime"
+    uniform double mtex:edit:slow:factor = 1.5
+    uniform token mtex:edit:half:op = "blend"
+    rel mtex:edit:half:with = </Takes/Other>
+    uniform double[] mtex:edit:half:weights = [0.5]
+"""
+NAMES = ("calm", "raise", "slow", "half")
+# A blend with the animation at a path, and its weight.
+HALF = """
+    uniform token[] mtex:edits = ["half"]
+    uniform token mtex:edit:half:op = "blend"
+    rel mtex:edit:half:with = <%s>
+    uniform double[] mtex:edit:half:weights = [%s]
+"""
+# Edits to be made of a take before it is used.
+BEFORE = """
+    uniform token[] mtex:edits:before = ["quick"]
+    uniform token mtex:edit:quick:op = "scaleTime"
+    uniform double mtex:edit:quick:factor = 0.5
+    uniform timecode mtex:edit:quick:end = 59
+    uniform token mtex:edit:quick:ends = "loop"
+"""
+# Sparse poses of a smoothed motion.
+FEW = """
+    uniform token[] mtex:edits = ["calm", "few"]
+    uniform token[] mtex:edits:all = ["calm"]
+    uniform token mtex:edit:calm:op = "lowpass"
+    uniform double[] mtex:edit:calm:frequencies = [3]
+    uniform token mtex:edit:few:op = "reduceKeys"
+    uniform token mtex:edit:few:form = "poses"
+    uniform double mtex:edit:few:tolerance = 1
+    uniform double mtex:edit:few:distance = 0.01
+    uniform timecode[] mtex:edit:few:keys = [17, 43]
+"""
 
 _HEADER = """#usda 1.0
 (
@@ -155,3 +216,19 @@ def read_custom_data(stage_path: Path, variant: str) -> Mapping[str, object]:
     select_variant(stage, MODEL, "mtex", variant)
     data: Mapping[str, object] = stage.GetPrimAtPath(f"{ANIMATION}_mtex").GetCustomDataByKey("mtex")
     return data
+
+
+def by_variant(results: Sequence[Any]) -> dict[str, Any]:
+    """Give results by the name of their variant."""
+    return {result.variant: result for result in results}
+
+
+def read(stage_path: Path, prim_path: str = ANIMATION) -> Clip:
+    """Read an animation, the walk unless otherwise said."""
+    return mtex_usd.read_clip(stage_path, prim_path)
+
+
+def angles(one: Clip, two: Clip) -> FloatArray:
+    """Degrees between the joints of clips on the same joints, [F, J]."""
+    cosine = np.abs((one.rotations * two.rotations).sum(axis=-1))
+    return 2.0 * np.degrees(np.arccos(np.clip(cosine, 0.0, 1.0)))

@@ -9,7 +9,8 @@ from pxr import Sdf, Usd
 
 import mtex_usd
 from mtex_usd.errors import InputError
-from mtex_usd.usd.arguments import as_file_path, as_number, as_prim_path, as_whole_number
+from mtex_usd.motion.arguments import as_number, as_whole_number
+from mtex_usd.usd.arguments import as_file_path, as_prim_path
 
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_stages"
 SKETCH = "/Humanoid/Sketch"
@@ -77,8 +78,8 @@ def test_one_file_may_be_imported_as_it_is(shot: Path, tmp_path: Path, wrap: obj
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
-        ({"meters_per_unit": "x"}, "bad metres per unit; expected a number above 0; found 'x'"),
-        ({"meters_per_unit": None}, "bad metres per unit; expected a number above 0; found None"),
+        ({"meters_per_unit": "x"}, "bad metres per unit; expected a finite number above 0; found 'x'"),
+        ({"meters_per_unit": None}, "bad metres per unit; expected a finite number above 0; found None"),
         ({"skip_frames": 1.5}, r"bad number of frames to skip; expected a whole number of at least 0; found 1\.5"),
         ({"rate": "120"}, "bad rate; expected frames per second from 0.001 to 100000; found '120'"),
         ({"style": 5}, "bad style; expected a text; found 5"),
@@ -98,5 +99,5 @@ def test_numbers_and_paths_come_back_as_pythons_own() -> None:
     assert as_prim_path(Sdf.Path("/A"), "x") == "/A"
     assert as_file_path("a", "x") == Path("a")
     for bad in (0.0, -1.0, np.nan, np.inf, True):
-        with pytest.raises(InputError, match="bad x; expected a number above 0"):
+        with pytest.raises(InputError, match="bad x; expected a finite number above 0"):
             as_number(bad, "x")

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from pxr import Sdf
 
+from mtex_usd import files
 from mtex_usd.errors import InputError
-from mtex_usd.usd import atomic
 from mtex_usd.usd.atomic import LayerKind, check_target, file_kind, is_ours, mark_layer, write_layer
 from mtex_usd.usd.diagnostics import open_layer
 
@@ -147,7 +147,7 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path, mon
     def fail(_: Path) -> None:
         raise OSError("No space left on device")
 
-    monkeypatch.setattr(atomic, "_sync", fail)
+    monkeypatch.setattr(files, "_sync", fail)
     with pytest.raises(InputError, match=r"cannot write .*takes\.usd: No space left on device"):
         write_layer(make_layer("/Other"), file_path)
     assert file_path.read_bytes() == before

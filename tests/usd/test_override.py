@@ -240,7 +240,7 @@ def test_select_chooses_the_variant(local: Situation, tmp_path: Path) -> None:
 
 def test_select_of_an_unknown_variant_lists_them(local: Situation, tmp_path: Path) -> None:
     """Nothing is written."""
-    with pytest.raises(InputError, match="no variant path_07 to select; expected one of original, path_01, path_02"):
+    with pytest.raises(InputError, match="no variant 'path_07'; expected one of original, path_01, path_02"):
         _write(local, tmp_path / "shot.mtex.usd", variants=2, select="path_07")
     assert not list(tmp_path.glob("*.mtex.*"))
 

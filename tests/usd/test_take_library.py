@@ -417,10 +417,10 @@ def test_skipping_every_frame_is_an_error() -> None:
 @pytest.mark.parametrize(
     ("options", "reason"),
     [
-        ({"meters_per_unit": 0.0}, "bad metres per unit; expected a number above 0; found 0.0"),
+        ({"meters_per_unit": 0.0}, "bad metres per unit; expected a finite number above 0; found 0"),
         ({"meters_per_unit": float("nan")}, "bad metres per unit"),
         ({"up_axis": "X"}, "bad up axis; expected Y or Z; found 'X'"),
-        ({"rate": 0.0}, "bad rate; expected frames per second from 0.001 to 100000; found 0.0"),
+        ({"rate": 0.0}, "bad rate; expected frames per second from 0.001 to 100000; found 0"),
         ({"skip_frames": -1}, "bad number of frames to skip; expected a whole number of at least 0; found -1"),
     ],
 )

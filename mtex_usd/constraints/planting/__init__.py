@@ -3,7 +3,15 @@
 from mtex_usd.constraints.planting.carried_over import retarget_with_contacts
 from mtex_usd.constraints.planting.holding import Held, hold_motion, restore_feet
 from mtex_usd.constraints.planting.limits import JointRange, to_ranges
-from mtex_usd.constraints.planting.plan import Hold, describe_holds, find_limb, held_back, plan_contacts, to_constraints
+from mtex_usd.constraints.planting.plan import (
+    Hold,
+    describe_holds,
+    find_limb,
+    held_back,
+    merge_holds,
+    plan_contacts,
+    to_constraints,
+)
 
 __all__ = [
     "Held",
@@ -13,6 +21,7 @@ __all__ = [
     "find_limb",
     "held_back",
     "hold_motion",
+    "merge_holds",
     "plan_contacts",
     "restore_feet",
     "retarget_with_contacts",

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from mtex_usd.constraints.ik import solve_two_bone
+from mtex_usd.constraints.kinematics import place_points
 from mtex_usd.constraints.planting.limits import JointRange, to_ranges
 from mtex_usd.constraints.planting.plan import Hold, find_limb, to_constraints
 from mtex_usd.constraints.spacetime import Solution, solve_spacetime
@@ -106,7 +107,9 @@ def _pelvis_joints(skeleton: Skeleton) -> list[str]:
     return [skeleton.joints[joint] for joint in sorted(above - set(skeleton.chain(parts.get("hips", 0))))]
 
 
-def restore_feet(clip: Clip, sketch: Clip, holds: Sequence[Hold], *, kept: Collection[int] = ()) -> Clip:
+def restore_feet(
+    clip: Clip, sketch: Clip, holds: Sequence[Hold], *, kept: Collection[int] = (), carrier: int | None = None
+) -> Clip:
     """Bring the feet back to where the sketch has them, under a pelvis that moves otherwise.
 
     Parameters
@@ -119,18 +122,29 @@ def restore_feet(clip: Clip, sketch: Clip, holds: Sequence[Hold], *, kept: Colle
         Only legs of which something is held are touched.
     kept
         Joints whose motion was filled in; legs with one of them have no place to be brought back to.
+    carrier
+        The joint whose way along the ground was filled in: the feet go with it, for they cannot be left behind. None
+        where the way is the sketch's.
 
     Returns
     -------
     Clip
         The sketch's legs come to the sketch's feet by the analytic solution; what was added to the legs comes on top.
     """
-    result = clip
+    result, way = clip, np.zeros(3) if carrier is None else _level_way(clip, sketch, carrier)
     for upper, middle, end in _held_legs(clip.skeleton, holds):
         limb = find_limb(clip.skeleton, end)
         if not set(limb) & set(kept):
-            result = _restore_leg(result, sketch, (upper, middle, end), limb)
+            result = _restore_leg(result, sketch, (upper, middle, end), limb, way)
     return result
+
+
+def _level_way(clip: Clip, sketch: Clip, carrier: int) -> FloatArray:
+    """How far along the ground a joint is from where the sketch has it, skeleton space, shape [F, 3]."""
+    origins = np.zeros((1, 3))
+    places = [place_points(c.skeleton, [carrier], origins, c.rotations, c.translations)[:, 0] for c in (clip, sketch)]
+    way, up = places[0] - places[1], sketch.skeleton.up
+    return np.asarray(way - (way @ up)[:, None] * up)
 
 
 def _held_legs(skeleton: Skeleton, holds: Sequence[Hold]) -> list[tuple[int, int, int]]:
@@ -143,8 +157,8 @@ def _held_legs(skeleton: Skeleton, holds: Sequence[Hold]) -> list[tuple[int, int
     return [(a, b, c) for a, b, c in whole if a is not None and b is not None and c is not None and c in held]
 
 
-def _restore_leg(clip: Clip, sketch: Clip, leg: tuple[int, int, int], limb: Sequence[int]) -> Clip:
-    """Restore one leg; `leg` its thigh, shin and foot, `limb` all its joints."""
+def _restore_leg(clip: Clip, sketch: Clip, leg: tuple[int, int, int], limb: Sequence[int], way: FloatArray) -> Clip:
+    """Restore one leg; `leg` its thigh, shin and foot, `limb` all its joints, `way` [F, 3] what the feet go along."""
     places, world = sketch.skeleton.world_pose(sketch.rotations, sketch.translations)
     joints = list(limb)
     detail = quaternion.multiply(quaternion.conjugate(sketch.rotations[:, joints]), clip.rotations[:, joints])
@@ -156,7 +170,7 @@ def _restore_leg(clip: Clip, sketch: Clip, leg: tuple[int, int, int], limb: Sequ
         upper=upper,
         middle=middle,
         end=end,
-        place=places[:, end],
+        place=places[:, end] + way,
         orientation=world[:, end],
     ).clip
     rotations = np.array(base.rotations)

@@ -14,7 +14,7 @@ from mtex_usd.motion.clip import Clip
 from mtex_usd.motion.skeleton import Skeleton
 from mtex_usd.texture.roles import ramp
 
-__all__ = ["Hold", "describe_holds", "find_limb", "held_back", "plan_contacts", "to_constraints"]
+__all__ = ["Hold", "describe_holds", "find_limb", "held_back", "merge_holds", "plan_contacts", "to_constraints"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -104,6 +104,12 @@ def plan_contacts(contacts: Sequence[Contact], clip: Clip, *, within_m: float = 
             )
         )
     return tuple(holds)
+
+
+def merge_holds(declared: Sequence[Hold], found: Sequence[Hold]) -> tuple[Hold, ...]:
+    """Add what was found to what is declared: a joint of which anything is declared is held as declared alone."""
+    joints = {hold.joint for hold in declared}
+    return (*declared, *(hold for hold in found if hold.joint not in joints))
 
 
 def _near_frames(contact: Contact, clip: Clip, within: float) -> tuple[int, int]:

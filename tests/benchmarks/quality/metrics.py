@@ -13,6 +13,8 @@ import numpy.typing as npt
 
 from mtex_usd.motion import quaternion
 from mtex_usd.motion.clip import Clip
+from mtex_usd.review import numbers
+from mtex_usd.review.numbers import band_energy, third_difference
 from mtex_usd.texture.pyramid import decompose
 from tests.benchmarks.quality.cases import METERS_PER_UNIT, Fold
 
@@ -116,8 +118,7 @@ def angular_error(fold: Fold, result: Clip) -> float:
 def largest_turn(fold: Fold, result: Clip) -> float:
     """Largest turn of a synthesized joint from one frame to the next, degrees."""
     joints = joint_indices(fold.truth, fold.case.rig.synthesized)
-    turns = quaternion.angle_between(result.rotations[:-1, joints], result.rotations[1:, joints])
-    return float(np.degrees(turns.max()))
+    return numbers.largest_turn(result.rotations[:, joints])
 
 
 def pose_vectors(clip: Clip, joints: IntArray, means: FloatArray) -> FloatArray:
@@ -144,24 +145,6 @@ def npss(truth: FloatArray, result: FloatArray) -> float:
     areas = np.abs(np.cumsum(shares[0], axis=0) - np.cumsum(shares[1], axis=0)).mean(axis=0)
     weights = true_power.sum(axis=0)
     return float(areas @ weights / weights.sum())
-
-
-def third_difference(rotations: FloatArray) -> float:
-    """Root mean square of the third difference, degrees per frame cubed; rotations [F, J', 4].
-
-    The four rotation vectors of a difference are taken about the first of the four poses: about one mean pose for the
-    whole clip, an arm that swings a full turn from it would count as a jolt where there is none.
-    """
-    count = len(rotations) - 3
-    start = quaternion.conjugate(rotations[:count])
-    steps = [quaternion.log(quaternion.multiply(start, rotations[i : i + count])) for i in (1, 2, 3)]
-    difference = 3.0 * steps[0] - 3.0 * steps[1] + steps[2]
-    return float(np.degrees(np.sqrt(np.square(difference).mean())))
-
-
-def band_energy(vectors: FloatArray, first: int, last: int) -> float:
-    """Mean square of bands first to last, degrees squared; vectors [F, C]."""
-    return float(np.square(decompose(vectors).sum_of(first, last)).mean())
 
 
 def detail_ratio(fold: Fold, result: Clip) -> float:

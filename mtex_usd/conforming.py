@@ -214,7 +214,7 @@ def _conform(job: Job, tracks: Sequence[EditedTrack], source: SourceStage, timel
 def _name_variants(finished: Finished, tracks: Sequence[EditedTrack], timeline: EditedTimeline) -> CharacterResult:
     """Give what the variants will say, named as their tracks."""
     result = build_result(finished)
-    names = make_unique_names([ORIGINAL, *(track.name for track in tracks)])[1:]
+    names = make_unique_names([ORIGINAL, *(track.variant for track in tracks)])[1:]
     variants = tuple(
         replace(
             variant,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from mtex_usd.files import check_distinct
+from mtex_usd.files import check_distinct, replace_file
 from mtex_usd.usd.finished import Finished
 from mtex_usd.usd.source_stage import SourceStage
 
@@ -105,8 +105,8 @@ def _prepare_timeline(file_path: Path, source: SourceStage, finished: Sequence[F
 
 
 def _prepare_review(asked: Presentation, source: SourceStage, finished: Sequence[Finished]) -> list[Callable[[], None]]:
-    from mtex_usd.reviewing import build_review, write_report, write_sheet  # noqa: PLC0415
+    from mtex_usd.reviewing import build_report, build_review, build_sheet  # noqa: PLC0415
 
     review = build_review(finished, title=source.source_path.name, command=asked.command)
-    pairs = ((asked.report, write_report), (asked.sheet, write_sheet))
-    return [partial(write, review, file_path) for file_path, write in pairs if file_path is not None]
+    pairs = ((asked.report, build_report), (asked.sheet, build_sheet))
+    return [partial(replace_file, file_path, build(review)) for file_path, build in pairs if file_path is not None]

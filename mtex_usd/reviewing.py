@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from mtex_usd.edit.sampling import sample_clip
-from mtex_usd.files import check_ours, check_place, replace_file
+from mtex_usd.files import check_ours, check_place
 from mtex_usd.motion.clip import Clip
 from mtex_usd.review.page import PAGE_MARK, build_page
 from mtex_usd.review.sheet import build_sheet
@@ -17,7 +17,7 @@ from mtex_usd.texture.result import Variant
 from mtex_usd.usd.finished import Finished, describe_variants
 from mtex_usd.usd.override import variant_names
 
-__all__ = ["build_review", "check_report_target", "check_sheet_target", "write_report", "write_sheet"]
+__all__ = ["build_report", "build_review", "build_sheet", "check_report_target", "check_sheet_target"]
 
 _HEAD_BYTES = 512
 
@@ -108,23 +108,15 @@ def _is_marked(file_path: Path, mark: str) -> bool:
         return mark.encode() in file.read(_HEAD_BYTES)
 
 
-def write_report(review: Review, file_path: Path) -> None:
-    """Write the review page, one file that opens from disk without network.
+def build_report(review: Review) -> bytes:
+    """Build the review page, one file that opens from disk without network.
 
     Parameters
     ----------
     review
         What is shown.
-    file_path
-        Replaced whole or not at all.
-
-    Raises
-    ------
-    InputError
-        As :func:`check_report_target`, and where the file system refuses.
     """
-    check_report_target(file_path)
-    replace_file(file_path, build_page(review).encode())
+    return build_page(review).encode()
 
 
 def check_sheet_target(file_path: Path) -> None:
@@ -142,22 +134,3 @@ def check_sheet_target(file_path: Path) -> None:
         is not a contact sheet of ours.
     """
     _check(file_path, what="contact sheet", ending=".png", mark=SHEET_MARK)
-
-
-def write_sheet(review: Review, file_path: Path) -> None:
-    """Write the contact sheet: strobed figures, a row for the sketch and one for every variant.
-
-    Parameters
-    ----------
-    review
-        What is shown.
-    file_path
-        Replaced whole or not at all.
-
-    Raises
-    ------
-    InputError
-        As :func:`check_sheet_target`, and where the file system refuses.
-    """
-    check_sheet_target(file_path)
-    replace_file(file_path, build_sheet(review))

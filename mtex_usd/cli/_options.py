@@ -25,7 +25,7 @@ def add_anim(parser: argparse.ArgumentParser, use: str) -> None:
 
 def add_dry_run(parser: argparse.ArgumentParser) -> None:
     """Add ``--dry-run``."""
-    parser.add_argument("--dry-run", action="store_true", help="do everything but write")
+    parser.add_argument("--dry-run", action="store_true", help="do everything but write files; --json still tells")
 
 
 def add_quiet(parser: "argparse._ActionsContainer") -> None:

@@ -77,6 +77,8 @@ def read_timeline_text(file_path: Path) -> str:
     InputError
         Where there is no such file, it is a folder, it cannot be read, or it is no text.
     """
+    if file_path.exists() and not file_path.is_file():
+        raise InputError(f"cannot read {file_path}", expected="a file", found="a folder or a device")
     try:
         return file_path.read_text(encoding="utf-8")
     except OSError as error:

@@ -28,6 +28,8 @@ class EditedTrack:
         Sketch and prim with the variant set that it was written for; empty where it does not say.
     recipe
         Digest of the recipe it was written with; empty where it does not say.
+    variant
+        What its variant is to be called: as the one it was written from, unless the track was renamed.
     track
         The track itself.
     """
@@ -36,6 +38,7 @@ class EditedTrack:
     anim: str
     model: str
     recipe: str
+    variant: str
     track: otio.schema.Track
 
 
@@ -130,11 +133,14 @@ def _read_band(timeline: otio.schema.Timeline, file_path: Path) -> int | None:
 
 def _read_track(track: otio.schema.Track, number: int) -> EditedTrack:
     mark = mark_of(track.metadata)
+    name = track.name or f"track_{number:02d}"
     return EditedTrack(
-        name=track.name or f"track_{number:02d}",
+        name=name,
         anim=_text_of(mark, "anim"),
         model=_text_of(mark, "model"),
         recipe=_text_of(mark, "recipe"),
+        # Of several sketches tracks are called by sketch and variant, so that no two are called the same.
+        variant=(_text_of(mark, "variant") if name == _text_of(mark, "track") else "") or name,
         track=track,
     )
 

@@ -71,6 +71,7 @@ def _build_track(
         "model": sketch.model,
         "variantSet": sketch.variant_set,
         "variant": variant_name,
+        "track": track_name,
         "rank": variant.rank,
         "distance": variant.distance,
         "zeroCostJoins": variant.zero_cost_joins,

@@ -11,7 +11,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from mtex_usd.reviewing import write_report
+from mtex_usd.reviewing import build_report
 from tests.benchmarks.speed_shot import write_shot
 from tests.review.browser import open_browser, open_page
 from tests.review.support import make_review
@@ -93,7 +93,7 @@ def _build_page(folder: Path) -> Path:
     review = make_review(write_shot(folder, take_rate=24.0), paths=_PATHS)
     page = folder / "review.html"
     begin = time.perf_counter()
-    write_report(review, page)
+    page.write_bytes(build_report(review))
     print(f"built in      {time.perf_counter() - begin:6.2f} s")
     return page
 

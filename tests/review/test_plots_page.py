@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from mtex_usd.reviewing import write_report
+from mtex_usd.reviewing import build_report
 from tests.oracle import pyramid as pyramid_twin
 from tests.review.browser import find_chromium, open_browser, open_page
 from tests.review.plots_support import unpack_rows
@@ -36,7 +36,7 @@ INK = """(id) => {
 def report(tmp_path_factory):
     samples = copy_samples(tmp_path_factory.mktemp("plots"))
     file_path = samples / "review.html"
-    write_report(make_review(samples / "walk.usda", contacts="detect", paths=3), file_path)
+    file_path.write_bytes(build_report(make_review(samples / "walk.usda", contacts="detect", paths=3)))
     return file_path
 
 

@@ -1,19 +1,19 @@
 """Motion as cubic curves: keys with tangents, one curve per channel, as curve editors and USD splines hold them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from mtex_usd.edit.curve_space import put_rotations
-from mtex_usd.edit.keys.hermite import hermite_basis
-from mtex_usd.edit.keys.sampled import ChannelSamples, angles_to_turns, sample_channels
+from mtex_usd.edit.keys.hermite import hermite_basis, spread_parts, sweep_cubics
+from mtex_usd.edit.keys.sampled import ChannelSamples, sample_channels
 from mtex_usd.edit.keys.tolerance import Tolerance
 from mtex_usd.motion.channels import Channel, to_local_rotations, to_local_translations
 from mtex_usd.motion.clip import Clip
 
-__all__ = ["KeyCurve", "ReducedKeys", "rebuild"]
+__all__ = ["KeyCurve", "ReducedKeys", "evaluate_together", "rebuild"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -68,6 +68,43 @@ class KeyCurve:
         weights = hermite_basis((times - self.time_codes[first]) / lengths, lengths)
         held = [self.values[first], self.slopes_after[first], self.values[first + 1], self.slopes_before[first + 1]]
         return np.asarray(sum(weight * value for weight, value in zip(weights, held, strict=True)))
+
+
+def evaluate_together(curves: Sequence[KeyCurve], steps: int, count: int) -> FloatArray:
+    """Evaluate curves from the first frame on.
+
+    Parameters
+    ----------
+    curves
+        Curves over the same frames, their keys at steps.
+    steps
+        From one frame to the next.
+    count
+        How many steps there are.
+
+    Returns
+    -------
+    FloatArray
+        Shape [C, count].
+    """
+    values = np.empty((len(curves), count))
+    moving = [number for number, curve in enumerate(curves) if len(curve.values) > 1]
+    for number in set(range(len(curves))) - set(moving):
+        values[number] = curves[number].values[0]
+    if moving:
+        values[moving] = _sweep([curves[number] for number in moving], steps).reshape(len(moving), count)
+    return values
+
+
+def _sweep(curves: Sequence[KeyCurve], steps: int) -> FloatArray:
+    """Evaluate all steps of curves in a row; a last key is a step of its own."""
+    counts = np.concatenate([np.append(np.round(steps * np.diff(curve.frames)), 1.0) for curve in curves])
+    lengths = np.concatenate([np.append(np.diff(curve.time_codes), 0.0) for curve in curves])
+    held = [
+        np.concatenate([getattr(curve, name) for curve in curves])
+        for name in ("values", "slopes_before", "slopes_after")
+    ]
+    return sweep_cubics(held[0], held[1], held[2], lengths, spread_parts(counts.astype(np.intp)))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -134,13 +171,9 @@ def rebuild(samples: ChannelSamples, values: FloatArray) -> Clip:
     values
         New values of the channels, shape [C, T].
     """
-    clip, joints = samples.clip, sorted(samples.orders)
-    angles = {joint: np.array(samples.angles[joint]) for joint in joints}
-    for channel, value in zip(samples.channels, values, strict=True):
-        if channel.is_rotation:
-            angles[channel.joint][:, channel.axis] = value
+    clip, joints = samples.clip, samples.joints
     if joints:
-        turned = np.stack([angles_to_turns(angles[joint], samples.orders[joint]) for joint in joints], axis=1)
+        turned = np.moveaxis(samples.turn_by(values, np.arange(len(joints))), -1, 0)
         clip = put_rotations(clip, joints, to_local_rotations(turned, clip.skeleton, joints=joints))
     moved = np.zeros_like(clip.translations)
     for channel, value, before in zip(samples.channels, values, samples.values, strict=True):

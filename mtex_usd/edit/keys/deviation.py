@@ -7,15 +7,19 @@ sums run backward tell which channels are to blame.
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
+from mtex_usd.edit.keys.body import cross, rotate
 from mtex_usd.edit.keys.sampled import ChannelSamples
 from mtex_usd.edit.keys.tolerance import Tolerance
-from mtex_usd.edit.keys.tree import list_levels
-from mtex_usd.motion import quaternion
-from mtex_usd.motion.channels import KINDS, Channel
+from mtex_usd.edit.keys.tree import add_up, find_carried
+from mtex_usd.motion.channels import KINDS
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 __all__ = ["Deviation", "make_deviation"]
 
@@ -23,6 +27,7 @@ FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.intp]
 
+_PRECISION = np.float32  # for speed: limits are passed by more than its last digits
 _BLAMED = 0.5  # of the largest share
 
 
@@ -38,7 +43,7 @@ class Deviation:
         What a degree or a stage unit of each channel turns its joint by, radians, or moves it by, in skeleton space,
         shape [C, 3, T].
     places
-        Joint positions in skeleton space, shape [J, 3, T].
+        Joint positions in skeleton axes, from the first joint on, shape [J, 3, T].
     limits
         Largest angle in radians and largest distance in skeleton units.
     """
@@ -59,38 +64,35 @@ class Deviation:
         return np.array([channel.is_rotation for channel in self.samples.channels], dtype=np.bool_)
 
     @cached_property
-    def _levels(self) -> list[tuple[IntArray, IntArray]]:
-        return list_levels(self.samples.clip.parents)
+    def _carried(self) -> "csr_array":
+        return find_carried(self.samples.body.parents, _PRECISION)
 
     @cached_property
-    def _arms(self) -> FloatArray:
-        """From each joint's parent to the joint, shape [J, 3, T]."""
-        return np.asarray(self.places - self.places[self.samples.clip.parents])
-
-    @cached_property
-    def _of_kind(self) -> list[tuple[IntArray, IntArray]]:
-        """The channels of each kind and their joints: no joint is twice in one."""
+    def _of_kind(self) -> list[tuple[IntArray, IntArray, FloatArray]]:
+        """The channels of each kind, their joints and axes: no joint is twice in one."""
         groups = []
         for kind in KINDS:
             members = [number for number, channel in enumerate(self.samples.channels) if channel.kind == kind]
-            groups.append((np.array(members, dtype=np.intp), self._joints[members]))
+            groups.append((np.array(members, dtype=np.intp), self._joints[members], self.axes[members]))
         return groups
 
     def _sum_up(self, errors: FloatArray, kinds: slice) -> FloatArray:
         """Sum up what the errors of some kinds of channels do to their own joints, [C, T] to [J, 3, T]."""
-        sums = np.zeros_like(self.places)
-        for members, joints in self._of_kind[kinds]:
-            sums[joints] += self.axes[members] * errors[members, None]
+        sums = np.zeros(self.places.shape, dtype=errors.dtype)
+        for members, joints, axes in self._of_kind[kinds]:
+            if len(joints) == len(sums):
+                sums += axes * errors[members, None]
+            elif len(joints):
+                sums[joints] += axes * errors[members, None]
         return sums
 
     def propagate(self, errors: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give what errors of channels [C, T] do: each joint's own turn and its way off, both [J, 3, T]."""
-        turns, shifts = self._sum_up(errors, slice(0, 3)), self._sum_up(errors, slice(3, 6))
-        totals = np.array(turns)
-        for joints, parents in self._levels:
-            shifts[joints] += shifts[parents] + _cross(totals[parents], self._arms[joints])
-            totals[joints] += totals[parents]
-        return turns, shifts
+        errors = errors.astype(self.axes.dtype)
+        turns, moves = self._sum_up(errors, slice(0, 3)), self._sum_up(errors, slice(3, 6))
+        # A turn about one place is the same turn about the origin and a move: both simply add up.
+        totals, moves = add_up(self._carried, turns, moves - cross(turns, self.places))
+        return turns, moves + cross(totals, self.places)
 
     def blame(self, errors: FloatArray, allowed: FloatArray) -> FloatArray:
         """Tell which channels put the motion outside the limits, and how badly.
@@ -108,38 +110,47 @@ class Deviation:
             0 where a channel is not to blame, else the square of how many times the limit is passed, shape [C, T].
         """
         turns, shifts = self.propagate(errors)
-        angles, ways = _length(turns) / (self.limits[0] * allowed), _length(shifts) / (self.limits[1] * allowed)
+        errors = errors.astype(turns.dtype)
         blame = np.zeros_like(errors)
-        if (angles > 1.0).any():
-            self._blame_turns(blame, errors, np.where(angles > 1.0, angles, 0.0), turns)
-        if (ways > 1.0).any():
-            self._blame_places(blame, errors, np.where(ways > 1.0, ways, 0.0), shifts)
+        self._blame_turns(blame, errors, _passed(turns, self.limits[0] * allowed), turns)
+        passed = _passed(shifts, self.limits[1] * allowed)
+        frames = np.flatnonzero(passed.any(axis=0))
+        if frames.size:
+            self._blame_places(blame, errors, passed[:, frames], shifts[..., frames], frames)
         return blame
 
-    def _blame_turns(self, blame: FloatArray, errors: FloatArray, passed: FloatArray, turns: FloatArray) -> None:
-        for joint in np.flatnonzero(passed.any(axis=1)).tolist():
-            members = np.flatnonzero(self._turning & (self._joints == joint))
-            shares = errors[members] * np.einsum("cit,it->ct", self.axes[members], turns[joint])
-            guilty = shares >= _BLAMED * shares.max(axis=0)
-            blame[members] = np.maximum(blame[members], guilty * np.square(passed[joint]))
+    @cached_property
+    def _turning_of(self) -> IntArray:
+        """The channels that turn each joint, one of them again where there are fewer than three, -1 without, [J, 3]."""
+        table = np.full((len(self.places), 3), -1, dtype=np.intp)
+        # The first one everywhere, then each in its own column.
+        for number in np.flatnonzero(self._turning)[::-1].tolist():
+            table[self._joints[number]] = number
+        for number in np.flatnonzero(self._turning).tolist():
+            table[self._joints[number], self.samples.channels[number].axis] = number
+        return table
 
-    def _blame_places(self, blame: FloatArray, errors: FloatArray, passed: FloatArray, shifts: FloatArray) -> None:
+    def _blame_turns(self, blame: FloatArray, errors: FloatArray, passed: FloatArray, turns: FloatArray) -> None:
+        joints, frames = np.nonzero(passed)
+        members = self._turning_of[joints]
+        ways = np.einsum("pci,pi->pc", self.axes[members, :, frames[:, None]], turns[joints, :, frames])
+        shares = errors[members, frames[:, None]] * ways
+        guilty = shares >= _BLAMED * shares.max(axis=1, keepdims=True, initial=0.0)
+        cases, numbers = np.nonzero(guilty)
+        blame[members[cases, numbers], frames[cases]] = passed[joints, frames][cases]
+
+    def _blame_places(
+        self, blame: FloatArray, errors: FloatArray, passed: FloatArray, shifts: FloatArray, frames: IntArray
+    ) -> None:
         """Let every joint that is too far off pull; who moves along with the pull is to blame."""
-        frames = np.flatnonzero(passed.any(axis=0))
-        force, torque = self._pull(shifts[..., frames] * passed[:, None, frames], frames)
+        places, pulls = self.places[..., frames], shifts * np.sqrt(passed)[:, None]
+        force, torque = add_up(self._carried.T, pulls, cross(places, pulls))
+        torque -= cross(places, force)
         pull = np.where(self._turning[:, None, None], torque[self._joints], force[self._joints])
         shares = errors[:, frames] * np.einsum("cit,cit->ct", self.axes[..., frames], pull)
         largest = shares.max(axis=0)
         guilty = (shares >= _BLAMED * largest) & (largest > 0.0)
-        blame[:, frames] = np.maximum(blame[:, frames], guilty * np.square(passed[:, frames].max(axis=0)))
-
-    def _pull(self, forces: FloatArray, frames: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Sum up forces at joints over everything below each joint: force and torque about it, both [J, 3, N]."""
-        force, torque = np.array(forces), np.zeros_like(forces)
-        for joints, parents in reversed(self._levels):
-            np.add.at(force, parents, force[joints])
-            np.add.at(torque, parents, torque[joints] + _cross(self._arms[joints][..., frames], force[joints]))
-        return force, torque
+        blame[:, frames] = np.maximum(blame[:, frames], guilty * passed.max(axis=0))
 
 
 def make_deviation(samples: ChannelSamples, tolerance: Tolerance) -> Deviation:
@@ -152,43 +163,48 @@ def make_deviation(samples: ChannelSamples, tolerance: Tolerance) -> Deviation:
     tolerance
         What it may be off by.
     """
-    skeleton = samples.clip.skeleton
-    places, world = skeleton.world_pose(samples.clip.rotations, samples.clip.translations)
-    since_rest = quaternion.multiply(world, quaternion.conjugate(skeleton.rest_orientations))
-    axes = np.empty((len(samples.channels), 3, samples.clip.frame_count))
+    body, parents = samples.body, samples.body.parents
+    axes = _own_axes(samples)
+    joints = np.array([channel.joint for channel in samples.channels], dtype=np.intp)
+    below = np.flatnonzero(parents[joints] >= 0)
+    axes[below] = rotate(body.total_turns[parents[joints[below]]], axes[below])
+    axes[[channel.is_rotation for channel in samples.channels]] *= np.radians(1.0)
+    places = body.places - body.places[:1]
+    limits = np.radians(tolerance.degrees), tolerance.metres / samples.clip.skeleton.meters_per_unit
+    return Deviation(samples, axes.astype(_PRECISION), places.astype(_PRECISION), limits)
+
+
+def _own_axes(samples: ChannelSamples) -> FloatArray:
+    """Axes of the channels in skeleton axes, as they are where the parents are at rest, [C, 3, T]."""
+    turned = np.empty((len(samples.joints), 3, 3, samples.values.shape[1]))
+    for order, members in samples.by_order.items():
+        turned[members] = _euler_axes(samples.angles[members], order)
+    place = {joint: number for number, joint in enumerate(samples.joints)}
+    axes = np.empty((len(samples.channels), 3, samples.values.shape[1]))
     for number, channel in enumerate(samples.channels):
-        own = _own_axis(samples, channel)
-        parent = int(skeleton.parents[channel.joint])
-        turned = own if parent < 0 else quaternion.rotate(since_rest[:, parent], own)
-        axes[number] = np.radians(turned.T) if channel.is_rotation else turned.T
-    limits = np.radians(tolerance.degrees), tolerance.metres / skeleton.meters_per_unit
-    return Deviation(samples, axes, np.ascontiguousarray(np.moveaxis(places, 0, 2)), limits)
+        axes[number] = (
+            turned[place[channel.joint], channel.axis] if channel.is_rotation else np.eye(3)[channel.axis, :, None]
+        )
+    return axes
 
 
-def _own_axis(samples: ChannelSamples, channel: Channel) -> FloatArray:
-    """Axis of a channel in skeleton axes, as it is where the parent is at rest, [T, 3]."""
-    unit = np.broadcast_to(np.eye(3)[channel.axis], (samples.clip.frame_count, 3))
-    if not channel.is_rotation:
-        return unit
-    order = ["XYZ".index(axis) for axis in samples.orders[channel.joint]]
-    depth = order.index(channel.axis)
-    # The outermost axis stands still; each of the others is turned by those before it.
-    for outer in reversed(order[:depth]):
-        half = np.radians(0.5 * samples.angles[channel.joint][:, outer])
-        turn = np.zeros((len(half), 4))
-        turn[:, 0], turn[:, 1 + outer] = np.cos(half), np.sin(half)
-        unit = quaternion.rotate(turn, unit)
-    return unit
+def _euler_axes(angles: FloatArray, order: str) -> FloatArray:
+    """Axes x, y and z of joints [K, 3, T] of one Euler order, [K, 3, 3, T]."""
+    first, second, third = ("XYZ".index(letter) for letter in order)
+    axes = np.zeros((len(angles), 3, *angles.shape[1:]))
+    # The outermost axis stands still, the next is turned by the first angle and the last by both.
+    axes[:, first, first] = 1.0
+    cosine, sine = np.cos(np.radians(angles[:, first])), np.sin(np.radians(angles[:, first]))
+    sign = 1.0 if (second - first) % 3 == 1 else -1.0
+    axes[:, second, second], axes[:, second, third] = cosine, sign * sine
+    tilt, lift = np.cos(np.radians(angles[:, second])), np.sin(np.radians(angles[:, second]))
+    axes[:, third, third], axes[:, third, second] = tilt * cosine, -sign * tilt * sine
+    axes[:, third, first] = sign * lift
+    return axes
 
 
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Cross products along the middle axis, [N, 3, T]."""
-    out = np.empty_like(a)
-    for first, second, third in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        np.multiply(a[:, second], b[:, third], out=out[:, first])
-        out[:, first] -= a[:, third] * b[:, second]
-    return out
-
-
-def _length(vectors: FloatArray) -> FloatArray:
-    return np.asarray(np.sqrt(np.einsum("jit,jit->jt", vectors, vectors)))
+def _passed(vectors: FloatArray, limits: FloatArray) -> FloatArray:
+    """Squares of how many times limits [T] are passed by vectors [J, 3, T], 0 where they are not, [J, T]."""
+    ratios = np.einsum("jit,jit->jt", vectors, vectors)
+    ratios /= np.square(limits).astype(ratios.dtype)
+    return np.asarray(np.where(ratios > 1.0, ratios, ratios.dtype.type(0.0)))

@@ -23,9 +23,9 @@ Blame = Callable[[FloatArray], FloatArray]
 """From errors of channels [C, T] to how much each is to blame at each sample, 0 where not at all, [C, T]."""
 
 _ROUNDS = 200
-_CROWDED = 4  # frames: where keys come this near there is a corner, which a broken key makes alone
+_CROWDED = 6  # frames: where keys come this near there is a corner, which a broken key makes alone
 _STRIDE = 3
-_RETURNS = 3
+_RETURNS = 2
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Fit", "KeySet", "fit_curves", "hermite_basis"]
+__all__ = ["Fit", "KeySet", "Parts", "fit_curves", "hermite_basis", "spread_parts", "sweep_cubics"]
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -96,20 +96,27 @@ def hermite_basis(u: FloatArray, lengths: FloatArray) -> FloatArray:
     return np.stack([1.0 - rise, u * np.square(1.0 - u) * lengths, rise, square * (u - 1.0) * lengths])
 
 
-@lru_cache(maxsize=4096)
-def _segment_matrix(length: int) -> FloatArray:
-    """Give the normal equations of a segment by itself, its first sample included and its last not, [4, 4]."""
-    h = float(length)
-    weights = hermite_basis(np.arange(length) / h, np.full(length, h))
-    bending = np.array(
-        [
-            [12.0, 6.0 * h, -12.0, 6.0 * h],
-            [6.0 * h, 4.0 * h * h, -6.0 * h, 2.0 * h * h],
-            [-12.0, -6.0 * h, 12.0, -6.0 * h],
-            [6.0 * h, 2.0 * h * h, -6.0 * h, 4.0 * h * h],
-        ]
-    )
-    return np.asarray(weights @ weights.T + _STIFFNESS / h**3 * bending)
+# Value and slope at the start and at the end of a segment, as cubics: powers of the part from 0 to 1, lowest first.
+_BASIS = np.array([[1.0, 0.0, -3.0, 2.0], [0.0, 1.0, -2.0, 1.0], [0.0, 0.0, 3.0, -2.0], [0.0, 0.0, -1.0, 1.0]])
+_BENDING = np.array([[12.0, 6.0, -12.0, 6.0], [6.0, 4.0, -6.0, 2.0], [-12.0, -6.0, 12.0, -6.0], [6.0, 2.0, -6.0, 4.0]])
+_SWAPPED = [0, 1, 3, 2]
+
+
+@lru_cache(maxsize=16)
+def _segment_matrices(longest: int) -> FloatArray:
+    """Give the normal equations of segments by themselves, their first sample included and their last not.
+
+    Twice, the second time with the last two unknowns exchanged, for every length, [2, longest + 1, 16].
+    """
+    lengths, powers = np.maximum(np.arange(longest + 1.0), 1.0), np.arange(2 * len(_BASIS) - 1)
+    below = np.vstack([np.zeros(len(powers)), np.cumsum(np.arange(float(longest))[:, None] ** powers, axis=0)])
+    moments = below / lengths[:, None] ** powers
+    fitted = _BASIS @ moments[:, np.add.outer(powers[:4], powers[:4])] @ _BASIS.T
+    scale = np.stack([np.ones_like(lengths), lengths] * 2, axis=1)
+    matrices = fitted + _STIFFNESS / lengths[:, None, None] ** 3 * _BENDING
+    matrices *= scale[:, :, None] * scale[:, None]
+    exchanged = matrices[:, _SWAPPED][:, :, _SWAPPED]
+    return np.stack([matrices, exchanged]).reshape(2, longest + 1, -1)
 
 
 def fit_curves(samples: FloatArray, keys: KeySet) -> Fit:
@@ -127,16 +134,72 @@ def fit_curves(samples: FloatArray, keys: KeySet) -> Fit:
     lengths = np.where(places == samples.shape[1] - 1, 0, gaps)
     blank = np.zeros(len(channels))
     fit = Fit(samples, channels, places, blank, blank, blank, lengths)
-    parts = (np.arange(samples.size) - fit.starts[fit.segments.ravel()]) / np.maximum(lengths, 1)[fit.segments.ravel()]
-    weights = hermite_basis(parts, lengths[fit.segments.ravel()].astype(np.float64))
-    solved = _solve(fit, weights, samples, keys)
-    following = np.minimum(np.arange(len(channels)) + 1, len(channels) - 1)
-    ends = np.stack([solved.values, solved.slopes_after, solved.values[following], solved.slopes_before[following]])
-    curves = np.einsum("am,am->m", weights, ends[:, fit.segments.ravel()])
+    parts = spread_parts(np.maximum(lengths, 1))
+    solved = _solve(fit, _sum_segments(fit, parts), samples, keys)
+    curves = sweep_cubics(solved.values, solved.slopes_before, solved.slopes_after, lengths.astype(np.float64), parts)
     return replace(solved, curves=curves.reshape(samples.shape))
 
 
-def _solve(fit: Fit, weights: FloatArray, samples: FloatArray, keys: KeySet) -> Fit:
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """Samples of segments in a row: how many each has, [N], and how far in its segment each sample is, 0 to 1, [M]."""
+
+    counts: IntArray
+    parts: FloatArray
+
+
+def spread_parts(counts: IntArray) -> Parts:
+    """Give each segment so many samples, [N], at even steps, the first at its start and none at its end."""
+    starts = np.cumsum(counts) - counts
+    inside = np.arange(int(counts.sum()), dtype=np.float64)
+    inside -= np.repeat(starts.astype(np.float64), counts)
+    inside *= np.repeat(1.0 / counts, counts)
+    return Parts(counts, inside)
+
+
+def sweep_cubics(
+    values: FloatArray, slopes_before: FloatArray, slopes_after: FloatArray, lengths: FloatArray, samples: Parts
+) -> FloatArray:
+    """Evaluate the cubics between keys in a row.
+
+    Parameters
+    ----------
+    values, slopes_before, slopes_after
+        What the keys of all curves hold, shape [N].
+    lengths
+        To the next key of the same curve, in the unit of the slopes; 0 for the last, shape [N].
+    samples
+        Where to look.
+
+    Returns
+    -------
+    FloatArray
+        Shape [M].
+    """
+    is_last = lengths == 0.0
+    rise = np.where(is_last, 0.0, np.append(np.diff(values), 0.0))
+    start, end = lengths * slopes_after, lengths * np.append(slopes_before[1:], 0.0)
+    # Horner's scheme, from the highest power on.
+    curve = np.repeat(start + end - 2.0 * rise, samples.counts)
+    for factor in (3.0 * rise - 2.0 * start - end, start, values):
+        curve *= samples.parts
+        curve += np.repeat(factor, samples.counts)
+    return curve
+
+
+def _sum_segments(fit: Fit, samples: Parts) -> FloatArray:
+    """Sum up weights times samples over each segment, [4, N], by the moments of the samples."""
+    powers = np.empty((_BAND + 1, fit.curves.size))
+    powers[0] = fit.curves.ravel()
+    for power in range(_BAND):
+        np.multiply(powers[power], samples.parts, out=powers[power + 1])
+    moment = np.add.reduceat(powers, fit.starts, axis=1)
+    fall = 3.0 * moment[2] - 2.0 * moment[3]
+    start, end = moment[1] - 2.0 * moment[2] + moment[3], moment[3] - moment[2]
+    return np.stack([moment[0] - fall, start * fit.lengths, fall, end * fit.lengths])
+
+
+def _solve(fit: Fit, sums: FloatArray, samples: FloatArray, keys: KeySet) -> Fit:
     """Find values and slopes; the curves are left."""
     from scipy.linalg import solveh_banded  # noqa: PLC0415  (slow to import, seldom used)
 
@@ -144,7 +207,7 @@ def _solve(fit: Fit, weights: FloatArray, samples: FloatArray, keys: KeySet) -> 
     # Unknowns key after key: value and slope; of broken keys slope before, value, slope after.
     value = np.cumsum(2 + broken) - 2
     before, after = value + np.where(broken, -1, 1), value + 1
-    band, right = _assemble(fit, weights * samples.ravel(), value, broken)
+    band, right = _assemble(fit, sums, value, broken)
     last = value[fit.lengths == 0]
     band[0, last] += 1.0
     # The slopes before a broken first key and after a broken last one belong to no segment.
@@ -156,17 +219,13 @@ def _solve(fit: Fit, weights: FloatArray, samples: FloatArray, keys: KeySet) -> 
     return replace(fit, values=found[value], slopes_before=found[before], slopes_after=found[after])
 
 
-def _assemble(fit: Fit, products: FloatArray, value: IntArray, broken: BoolArray) -> tuple[FloatArray, FloatArray]:
-    """Sum up the normal equations: lower band [4, U] and right side [U]; products are weights times samples [4, M]."""
+def _assemble(fit: Fit, sums: FloatArray, value: IntArray, broken: BoolArray) -> tuple[FloatArray, FloatArray]:
+    """Sum up the normal equations: lower band [4, U] and right side [U]; sums are of weights times samples [4, N]."""
     inner = np.flatnonzero(fit.lengths)
-    sums = np.add.reduceat(products, fit.starts, axis=1)[:, inner]
-    kinds, which = np.unique(fit.lengths[inner], return_inverse=True)
     first, swapped = value[inner], broken[inner + 1].astype(np.intp)
-    # Before a broken key comes its slope, then its value: two tables, one with the last two unknowns exchanged.
-    tables = np.stack([_segment_matrix(length) for length in kinds.tolist()])
-    tables = np.stack([tables, tables[:, [0, 1, 3, 2]][:, :, [0, 1, 3, 2]]])
-    matrices = np.ascontiguousarray(np.moveaxis(tables.reshape(-1, 16)[swapped * len(kinds) + which], 0, 1))
-    ordered = np.where(swapped, sums[[0, 1, 3, 2]], sums)
+    # Before a broken key comes its slope, then its value: the last two unknowns are exchanged.
+    matrices = _segment_matrices(fit.curves.shape[1] - 1)[swapped, fit.lengths[inner]].T
+    ordered = np.where(swapped, sums[_SWAPPED][:, inner], sums[:, inner])
     band, right = np.zeros((_BAND + 1, int(value[-1]) + 2)), np.zeros(int(value[-1]) + 2)
     for row in range(4):
         right[first + row] += ordered[row]

@@ -6,9 +6,9 @@ from functools import cached_property, partial
 import numpy as np
 import numpy.typing as npt
 
-from mtex_usd.edit.keys.curves import KeyCurve, rebuild
+from mtex_usd.edit.keys.body import Body, angles_apart, distances
+from mtex_usd.edit.keys.curves import KeyCurve, evaluate_together
 from mtex_usd.edit.keys.deviation import make_deviation
-from mtex_usd.edit.keys.difference import measure_difference
 from mtex_usd.edit.keys.fitting import State, add_keys, drop_keys, start_keys
 from mtex_usd.edit.keys.hermite import KeySet, fit_curves
 from mtex_usd.edit.keys.sampled import ChannelSamples, sample_channels
@@ -32,8 +32,7 @@ _INVOLVED = 0.25  # of the largest angle: joints off by more take part in what i
 _MILD = 1.3  # times the tolerance: what is less wrong between frames goes when the frames are closer
 _ALL_INVOLVED = 0.02
 _REPAIRS = 12
-_UNCHANGED = 1e-5  # degrees or stage units: curves that move by less are not measured again
-_PASSES = 6
+_PASSES = 5
 _HALVINGS = 10
 
 
@@ -61,14 +60,17 @@ class Outcome:
     ----------
     curves
         One per channel.
-    measured
-        What the curves were where and when they were measured last, shape [C, T].
+    values
+        Their values four times a frame, shape [C, T].
+    body
+        The motion they make then.
     degrees, metres
-        Of joints' rotations and places, shape [T, J].
+        What joints' rotations and places are off by, shape [J, T].
     """
 
     curves: tuple[KeyCurve, ...]
-    measured: FloatArray
+    values: FloatArray
+    body: Body
     degrees: FloatArray
     metres: FloatArray
 
@@ -112,26 +114,20 @@ class Job:
 
     def carry_out(self, plan: Plan, before: Outcome | None = None) -> Outcome:
         """Write down the curves of a plan and measure how far they are off, where they are not as they were before."""
+        start = self._start_outcome() if before is None else before
         curves = self._list_curves(plan)
-        time_codes = self.fine.clip.time_codes
-        values = np.array([curve.evaluate(time_codes) for curve in curves]).reshape(self.fine.values.shape)
-        if before is None:
-            return Outcome(curves, values, *self._measure(values, np.arange(len(time_codes))))
-        times = np.flatnonzero((np.abs(values - before.measured) > _UNCHANGED).any(axis=0))
-        measured, degrees, metres = np.array(before.measured), np.array(before.degrees), np.array(before.metres)
-        if times.size:
-            degrees[times], metres[times] = self._measure(values, times)
-            measured[:, times] = values[:, times]
-        return Outcome(curves, measured, degrees, metres)
+        values = evaluate_together(curves, _CHECKED, self.fine.values.shape[1])
+        body, turned = self.fine.move_by(start.body, values, (values != start.values).any(axis=1))
+        moved, wanted = body.list_below(turned), self.fine.body
+        degrees, metres = np.array(start.degrees), np.array(start.metres)
+        degrees[turned] = angles_apart(body.turns[turned], wanted.turns[turned])
+        metres[moved] = distances(body.places[moved], wanted.places[moved]) * self.clip.skeleton.meters_per_unit
+        return Outcome(curves, values, body, degrees, metres)
 
-    def _measure(self, values: FloatArray, times: IntArray) -> tuple[FloatArray, FloatArray]:
-        part = self.fine.take(times)
-        return measure_difference(rebuild(part, values[:, times]), part.clip, self._places[times])
-
-    @cached_property
-    def _places(self) -> FloatArray:
-        clip = self.fine.clip
-        return clip.skeleton.world_pose(clip.rotations, clip.translations)[0]
+    def _start_outcome(self) -> Outcome:
+        """The motion itself, which is off by nothing."""
+        degrees, metres = np.zeros((2, *self.fine.body.turns[:, 0].shape))
+        return Outcome((), self.fine.values, self.fine.body, degrees, metres)
 
     def _list_curves(self, plan: Plan) -> tuple[KeyCurve, ...]:
         """Write down the curves of all channels; those that do not change have one key."""
@@ -208,12 +204,25 @@ def fit_tolerance(job: Job, tolerance: Tolerance) -> Outcome:
     plan = _plan(job, drop_keys(add_keys(state, search.blame), search.blame, passes=_PASSES))
     outcome = job.carry_out(plan)
     for _ in range(_REPAIRS):
-        over = np.maximum(outcome.degrees / tolerance.degrees, outcome.metres / tolerance.metres).max(axis=1)
-        if (over <= 1.0).all():
+        excess = Excess(outcome.degrees / tolerance.degrees, outcome.metres / tolerance.metres)
+        if (excess.worst <= 1.0).all():
             break
-        plan = search.repair(plan, over, outcome.degrees)
+        plan = search.repair(plan, excess)
         outcome = job.carry_out(plan, outcome)
     return outcome
+
+
+@dataclass(frozen=True, eq=False)
+class Excess:
+    """How many times the tolerance joints are turned and moved from where they should be, both [J, T]."""
+
+    turned: FloatArray
+    moved: FloatArray
+
+    @cached_property
+    def worst(self) -> FloatArray:
+        """Of all joints, shape [T]."""
+        return np.asarray(np.maximum(self.turned.max(axis=0), self.moved.max(axis=0)))
 
 
 def _plan(job: Job, state: State | None) -> Plan:
@@ -242,18 +251,17 @@ class _Search:
         spread[self._job.moving] = errors
         return self._deviation.blame(spread, self._allowed)[self._job.moving]
 
-    def repair(self, plan: Plan, over: FloatArray, degrees: FloatArray) -> Plan:
+    def repair(self, plan: Plan, excess: Excess) -> Plan:
         """Mend what is outside the tolerance at the times looked at.
 
         Parameters
         ----------
         plan
             The keys so far.
-        over
-            How many times the tolerance is passed at each time, [T].
-        degrees
-            What each joint is off by, [T, J].
+        excess
+            What is outside.
         """
+        over = excess.worst
         wrong = np.flatnonzero(over > 1.0)
         # A place may be off by what many joints do a little; in the end all of them follow the motion exactly.
         self._involved = 0.5 * self._involved if self._involved > _ALL_INVOLVED else 0.0
@@ -262,15 +270,19 @@ class _Search:
         for nearest in (np.floor, np.ceil):
             self._allowed[nearest(wrong[is_mild] / _CHECKED).astype(np.intp)] *= _TIGHTER
         between = wrong[~is_mild]
-        asked, leaping = (self._find_involved(times, degrees) for times in (between, between[over[between] > _LEAP]))
+        asked, leaping = (self._find_involved(times, excess) for times in (between, between[over[between] > _LEAP]))
         return self._bridge(plan, asked, leaping)
 
-    def _find_involved(self, times: IntArray, degrees: FloatArray) -> BoolArray:
-        """Mark channels and frames at or before times where something is wrong, [C, F]."""
+    def _find_involved(self, times: IntArray, excess: Excess) -> BoolArray:
+        """Mark channels and frames at or before times where something is wrong, [C, F].
+
+        A joint that is turned too far has itself to blame; for a place, all that turn much or move are.
+        """
         marks = np.zeros((len(self._joints), len(self._allowed)), dtype=np.bool_)
-        off = degrees[times]
-        involved = (off[:, self._joints] >= self._involved * off.max(axis=1, keepdims=True)) | ~self._turning
-        np.logical_or.at(marks.T, times // _CHECKED, involved)
+        turned, misplaced = excess.turned[:, times], (excess.moved[:, times] > 1.0).any(axis=0)
+        involved = (turned >= self._involved * turned.max(axis=0)) & misplaced
+        of_channels = np.where(self._turning[:, None], (involved | (turned > 1.0))[self._joints], misplaced)
+        np.logical_or.at(marks.T, times // _CHECKED, of_channels.T)
         return marks
 
     def _bridge(self, plan: Plan, asked: BoolArray, leaping: BoolArray) -> Plan:

@@ -1,13 +1,17 @@
-"""Where sparse poses go, and what they are: a piecewise slerp near a motion, least squares on common keys."""
+"""Where sparse poses go, and what they are: a piecewise slerp near a motion, with keys all joints have in common."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
+from mtex_usd.edit.keys.body import Body, read_body
 from mtex_usd.edit.keys.difference import measure_difference
+from mtex_usd.edit.keys.refining import Goal, Refiner, Spans
 from mtex_usd.edit.keys.sampled import play_between, slerp
+from mtex_usd.edit.keys.stretches import measure_stretches
 from mtex_usd.edit.keys.tolerance import Tolerance
 from mtex_usd.motion import quaternion
 from mtex_usd.motion.clip import Clip
@@ -19,10 +23,12 @@ BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.intp]
 
 _CHECKED = 4  # times a frame the result is looked at
-_MARGIN = 0.98  # of the tolerance at frames: half-way between them a little more may be off
+_MARGIN = 0.9995  # of the tolerance at frames: between them a little more may be off
 _ROUNDS = 100
-_PASSES = 9
-_STRIDE = 3
+_PATHS = 24
+_KEY_PRICE = 6.0
+_DEARER = 2.0
+_STEPS = 30
 _HALVINGS = 10
 
 
@@ -42,6 +48,29 @@ class Poses:
     rotations: FloatArray
     translations: FloatArray
     scales: FloatArray
+
+    def take_over(self, body: Body, clip: Clip, joints: IntArray, keys: BoolArray) -> "Poses":
+        """Put other turns and arms of joints in place of those of some keys; what never moves keeps its bits.
+
+        Parameters
+        ----------
+        body
+            Turns and arms of all joints at all N keys.
+        clip
+            The clip the poses are of.
+        joints
+            Whose are taken.
+        keys
+            Which keys, shape [N].
+        """
+        rotations, translations = np.array(self.rotations), np.array(self.translations)
+        turned, moved = body.to_local(clip.skeleton)
+        turning = joints[np.ptp(clip.rotations[:, joints], axis=0).any(axis=-1)]
+        moving = joints[np.ptp(clip.translations[:, joints], axis=0).any(axis=-1)]
+        chosen = np.flatnonzero(keys)
+        rotations[np.ix_(chosen, turning)] = turned[np.ix_(chosen, turning)]
+        translations[np.ix_(chosen, moving)] = moved[np.ix_(chosen, moving)]
+        return replace(self, rotations=rotations, translations=translations)
 
 
 def play_poses(poses: Poses, clip: Clip, per_frame: int) -> Clip:
@@ -104,21 +133,66 @@ class PoseSearch:
 
     def reduce(self) -> Poses:
         """Find few poses within the tolerance."""
-        keys = self._add(self._start, 1.0)
-        for number in range(_PASSES):
-            keys = self._replace_some(keys, number % _STRIDE)
-        return self._fit(keys)
+        return self._refit(self._add(self._find_keys(), 1.0, self._refit))
+
+    def _find_keys(self) -> _Keys:
+        """Seek a path through stretches that slerps can follow, and again with what is learnt from the poses on it."""
+        clip = self._clip
+        fixed = np.flatnonzero(self._start.placed)
+        radians = _MARGIN * np.radians(self._tolerance.degrees)
+        stretches = measure_stretches(clip.rotations[:, self._joints], radians, fixed.tolist())
+        best, fewest, price = self._start, np.inf, _KEY_PRICE
+        for _ in range(_PATHS):
+            path = stretches.find_path(price)
+            placed = np.zeros(clip.frame_count, dtype=np.bool_)
+            placed[path] = True
+            keys = _Keys(placed, self._start.pinned)
+            passed = self._refine(keys)[1]
+            missing = int(np.add.reduceat(passed > 1.0, path).astype(np.bool_).sum())
+            if len(path) + missing < fewest:
+                best, fewest = keys, len(path) + missing
+            stretches.raise_prices(path, passed)
+            if not missing:
+                price *= _DEARER
+        return best
+
+    @cached_property
+    def _above(self) -> IntArray:
+        """The joints that count and all above them."""
+        found = set(self._joints.tolist())
+        for joint in range(len(self._clip.joints) - 1, -1, -1):
+            found |= {int(self._clip.parents[joint])} if joint in found else set()
+        return np.array(sorted(found - {-1}), dtype=np.intp)
+
+    @cached_property
+    def _refiner(self) -> Refiner:
+        units = self._tolerance.metres / self._clip.skeleton.meters_per_unit
+        counted = np.isin(self._above, self._joints)
+        body = read_body(self._clip).only(self._above)
+        return Refiner(Goal(body, _MARGIN * self._tolerance.degrees, _MARGIN * units, counted))
+
+    def _refine(self, keys: _Keys) -> tuple[Poses, FloatArray]:
+        """Fit poses so that the largest error is small; also how many times the limits are reached, [F]."""
+        rough = self._fit(keys)
+        at_keys = replace(self._clip, rotations=rough.rotations, translations=rough.translations, scales=rough.scales)
+        spans, body = Spans(rough.frames, keys.pinned[rough.frames]), read_body(at_keys)
+        found, passed = self._refiner.refine(spans, body.only(self._above), rounds=_STEPS)
+        body.turns[self._above], body.arms[self._above] = found.turns, found.arms
+        return rough.take_over(body, self._clip, self._joints, ~spans.pinned), passed
+
+    def _refit(self, keys: _Keys) -> Poses:
+        return self._refine(keys)[0]
 
     def fit_count(self, key_count: int) -> Poses:
         """Find the tolerance, by its ratio to the given one, that needs just so many poses."""
         low, high = 0.0, 1.0
-        best = self._add(self._start, high)
+        best = self._add(self._start, high, self._fit)
         while best.placed.sum() > key_count:
             low, high = high, 4.0 * high
-            best = self._add(self._start, high)
+            best = self._add(self._start, high, self._fit)
         for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
-            found = self._add(self._start, middle)
+            found = self._add(self._start, middle, self._fit)
             if found.placed.sum() <= key_count:
                 best, high = found, middle
             else:
@@ -149,25 +223,19 @@ class PoseSearch:
         turned, moved = degrees.max(axis=1) / self._tolerance.degrees, metres.max(axis=1) / self._tolerance.metres
         return np.asarray(np.maximum(turned, moved))
 
-    def _add(self, keys: _Keys, scale: float) -> _Keys:
+    def _add(self, keys: _Keys, scale: float, fit: Callable[[_Keys], Poses]) -> _Keys:
         """Add keys until every frame is within a scale of the tolerance, then look between frames."""
         for _ in range(_ROUNDS):
-            passed = self._passed(self._fit(keys)) / (scale * _MARGIN)
+            poses = fit(keys)
+            passed = self._passed(poses) / scale
             if (passed <= 1.0).all():
-                passed = self._ratio(*self.measure(self._fit(keys))) / scale
+                passed = self._ratio(*self.measure(poses)) / scale
                 if (passed <= 1.0).all():
                     break
                 keys = _tie(keys, passed)
             else:
                 keys = _insert(keys, np.where(passed > 1.0, passed, 0.0))
         return keys
-
-    def _replace_some(self, keys: _Keys, phase: int) -> _Keys:
-        """Take every third key away and add what is then missing; keep that if it saves a key."""
-        rank = np.cumsum(keys.placed)
-        removed = keys.placed & ~self._start.placed & (rank % _STRIDE == phase)
-        found = self._add(_Keys(keys.placed & ~removed, keys.pinned & ~removed), 1.0)
-        return found if found.placed.sum() < keys.placed.sum() else keys
 
     @cached_property
     def _columns(self) -> FloatArray:

@@ -293,7 +293,8 @@ def test_a_chain_is_turned_as_by_the_twin(seed, counts, keeps_first):
         for joint, rotation in enumerate(expected):
             own = Rotation.from_quat(target.rest_orientations[joint], scalar_first=True)
             got = Rotation.from_quat(found[frame, joint], scalar_first=True)
-            assert ((rotation * own).inv() * got).magnitude() < 1e-7
+            # Near half a turn the shortest way loses half its digits.
+            assert ((rotation * own).inv() * got).magnitude() < 1e-6
 
 
 def _chain_skeleton(rng, bones):
